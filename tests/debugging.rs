@@ -354,3 +354,24 @@ fn a_recording_is_debugged_with_its_own_settings_unless_a_preset_is_named() {
     assert!(shown(&[]).contains("4 walls"), "paper counts one too many");
     assert!(shown(&["--preset", "default"]).contains("3 walls"), "default is right");
 }
+
+#[test]
+fn the_command_for_a_wrong_answer_begins_at_it() {
+    let flight = shipped_flight();
+    let compared =
+        crosscut(["compare", flight.to_str().expect("UTF-8"), "--json", "-", "--with", "paper", "--with", "default"]);
+    let compared: Ran = { compared }.output().expect("it runs").into();
+    let found: Value = serde_json::from_str(&compared.expect_code(0).stdout).expect("JSON");
+    let wrong = found["wrong_answers"].as_array().expect("a list");
+    let verdict = &found["verdicts"][0];
+    let count = verdict["mends"].as_u64().expect("a number") + verdict["breaks"].as_u64().expect("a number");
+    assert!(count > 9 && wrong.len() as u64 == count, "{count} commands");
+    for of in [&wrong[0], &wrong[wrong.len() - 1]] {
+        let command = words(of["command"].as_str().expect("a command"));
+        assert_eq!(command[..2], ["crosscut", "debug"]);
+        let options: Vec<&str> = command[3..].iter().map(String::as_str).collect();
+        let shown = play(&options, "show\n").expect_code(0).stdout;
+        assert!(shown.contains(&format!("\n{} at ", of["revolution"])), "{of}: {shown}");
+        assert!(shown.contains("truth: "), "{shown}");
+    }
+}

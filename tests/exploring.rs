@@ -92,6 +92,7 @@ fn a_mission_is_recorded_for_the_viewer() {
         line.split_whitespace().nth(1)?.parse().ok()
     };
     let revolutions = rows_of(&saved, "/mission/walls").expect("the mission");
+    assert_eq!(rows_of(&saved, "/truth/json"), Some(revolutions), "the truth of each revolution");
     for stage in ["/affinity/W", "/spectral/eigenvalues", "/spectral/U", "/kmeans/labels", "/report/why"] {
         assert_eq!(rows_of(&saved, stage), Some(revolutions), "a mission can be asked why: {stage}");
     }

@@ -231,6 +231,26 @@ fn info_describes_parts_after_an_unreadable_one() {
 }
 
 #[test]
+fn info_counts_clouds_that_are_alike() {
+    let folder = folder();
+    let cloud = |points: usize| {
+        let header =
+            "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\n";
+        let rows: String = (0..points).map(|at| format!("{at} 1 0\n")).collect();
+        format!("{header}WIDTH {points}\nPOINTS {points}\nDATA ascii\n{rows}")
+    };
+    for stamp in 1..=4 {
+        file(folder.path(), &format!("{stamp}.0.pcd"), cloud(10 + stamp).as_bytes());
+    }
+    let shown = run(["info".as_ref(), folder.path().as_os_str()]).expect_code(0).stdout;
+    assert!(shown.contains("1.0.pcd") && shown.contains("11 returns without beams"), "{shown}");
+    assert!(
+        shown.contains("\n3 files more like it, to ") && shown.contains("4.0.pcd") && !shown.contains("2.0.pcd"),
+        "{shown}"
+    );
+}
+
+#[test]
 fn info_shows_the_topics_and_what_a_scan_looks_like() {
     let folder = folder();
     let flight = file(folder.path(), "tunnel.mcap", &tunnel(10, &Writing::default()));

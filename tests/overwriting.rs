@@ -1,4 +1,4 @@
-//! No output replaces an input, and no file is written twice.
+//! No output replaces an input, no file is written twice, and none is named as another format.
 
 use std::path::{Path, PathBuf};
 
@@ -105,11 +105,23 @@ fn a_later_part_never_replaces_another_file() {
     std::fs::rename(at("flight.mcap"), at("in-2.rrd")).expect("renamed");
     std::fs::rename(at("settings.toml"), at("in-7.out")).expect("renamed");
     refused(folder.path(), "run @in-2.rrd --save @in.rrd --set recording.part_revolutions=50");
-    refused(folder.path(), "run @in-2.rrd --save @z.rrd --results @z-2.rrd --set recording.part_revolutions=50");
+    refused(folder.path(), "run @in-2.rrd --save @z.rrd --log @z-2.rrd --set recording.part_revolutions=50");
     refused(folder.path(), "run @in-2.rrd --config @in-7.out --save @in.out");
     #[cfg(unix)]
     {
         std::fs::hard_link(at("in-2.rrd"), at("z-3.rrd")).expect("a link");
         refused(folder.path(), "run @in-2.rrd --save @z.rrd --set recording.part_revolutions=50");
+    }
+}
+
+#[test]
+fn results_named_as_another_format_are_refused() {
+    let folder = folder();
+    for name in ["results.csv", "results.RRD", "results.svg", "results.html"] {
+        let before = contents(folder.path());
+        let out = folder.path().join(name);
+        let ran = run(["run".as_ref(), folder.path().join("flight.mcap").as_os_str(), "-o".as_ref(), out.as_os_str()]);
+        assert!(ran.expect_code(2).stderr.contains("results are JSON lines"), "{name}");
+        assert_eq!(contents(folder.path()), before, "{name}");
     }
 }

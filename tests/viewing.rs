@@ -64,7 +64,10 @@ fn a_damaged_recording_is_shown_up_to_the_damage() {
     std::fs::write(&saved, &bytes[..bytes.len() * 2 / 3]).expect("written");
     let (ran, given) = view(folder.path(), &[&saved]);
     let ran = ran.expect_code(3);
-    assert!(ran.stderr.contains("flight.rrd"), "{}", ran.stderr);
+    let lost = |said: &str| said.lines().find(|line| line.starts_with("lost: cut off")).map(str::to_owned);
+    let listed = run([Path::new("rrd"), Path::new("ls"), &saved]).expect_code(3).stderr;
+    assert!(lost(&listed).is_some_and(|line| line.contains("flight.rrd")), "{listed}");
+    assert_eq!(lost(&ran.stderr), lost(&listed), "how far it is whole");
     assert!(entities(&given).contains("/config"));
 }
 

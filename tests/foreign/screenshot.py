@@ -144,6 +144,10 @@ class Viewer:
                     return of["max"]
         return None
 
+    def recordings(self) -> int:
+        """How many recordings the viewer takes its files for."""
+        return len(self._call("viewer_state").get("recordings", []))
+
     def time(self) -> tuple[str, int] | None:
         """The timeline that is shown, and where on it; `None` while nothing is loaded."""
         for recording in self._call("viewer_state").get("recordings", []):

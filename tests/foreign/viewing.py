@@ -39,9 +39,11 @@ def check(flights: Flights, verdicts: Verdicts):
         check_view(command, f"view --layout {page}", words, flights, verdicts)
     check_at(saved, flights, verdicts)
     check_beside(saved, flights, verdicts)
+    check_layers(flight.path, flights, verdicts)
     check_sensors(flights, verdicts)
     check_importer(flights, verdicts)
     check_debug(flight.path, flights, verdicts)
+    check_debug_recording(saved, flights, verdicts)
     check_late(flight.path, flights, verdicts)
     check_stalled(flights, verdicts)
 
@@ -97,6 +99,19 @@ def check_beside(saved: Path, flights: Flights, verdicts: Verdicts):
     check_view(command, "view --beside", [*both, "Walls counted", "What differs", "Where they differ"], flights, verdicts)
     stages = [f"{name}: {number} {view}" for name in names for number, view in ((1, "Returns"), (2, "W"), (8, "Why"))]
     check_view([*command, "--layout", "stages"], "view --beside --layout stages", stages, flights, verdicts)
+
+
+def check_layers(path: Path, flights: Flights, verdicts: Verdicts):
+    """Two layers of a flight, given to the stock viewer together, are one recording with the entities of both."""
+    saved = [flights.work / f"layer-{name}.rrd" for name in ("paper", "default")]
+    for name, file in zip(("paper", "default"), saved):
+        flights.crosscut("run", path, "--preset", name, "--save", file, "--layer", name, "--quiet").expect(0)
+    with Viewer.of(*saved, size=SIZE) as viewer:
+        count, last, views = viewer.recordings(), viewer.last_revolution(), viewer.views()
+    entities = {entity for file in saved for entity in rrd.timelines(file)}
+    both = {"/paper/report/junctions", "/default/report/junctions"} <= entities
+    figures = f"{count} recording, to revolution {last}, both layers: {both}, {len(views)} views"
+    verdicts.that(count == 1 and both and len(views) > 5, "two layers in the stock viewer", figures)
 
 
 def check_sensors(flights: Flights, verdicts: Verdicts):
@@ -161,6 +176,22 @@ def check_debug(path: Path, flights: Flights, verdicts: Verdicts):
     verdicts.that(not missing and follows and min(shown_s) < SHOWN_WITHIN_S, "debug --view", figures)
     lives = code == 0 and "it was closed; the session goes on" in said and all("result" in answer for answer in answers)
     verdicts.that(lives, "debug --view, the viewer is killed", f"exit code {code}, {said.splitlines()[-1]}")
+
+
+def check_debug_recording(saved: Path, flights: Flights, verdicts: Verdicts):
+    """A recording in place of a flight: the viewer shows what is rebuilt from it, with the settings that it was made with."""
+    command = flights.crosscut.command("debug", saved, "--view", "--json")
+    with Viewer.beside(command, SIZE) as viewer:
+        recorded = viewer.ask("seek", 107)["result"]["walls"]
+        viewer.ask("hold")
+        changed = viewer.ask("set", "report.min_returns=3")["result"]["walls"]
+        viewer.settle()
+        at, views = viewer.time(), viewer.views()
+        viewer.save(flights.work.parent / "debug-recording.png")
+        code, _ = viewer.leave()
+    figures = f"{recorded} walls recorded, {changed} now, at {at}, {sorted(views)[:4]}, exit code {code}"
+    sides = all(any(name.startswith(f"{side}: 8 Why") for name in views) for side in ("A", "now"))
+    verdicts.that((recorded, changed) == (4, 3) and at == ("command", 4) and sides and code == 0, "debug FLIGHT.rrd --view", figures)
 
 
 def time_to_show(viewer: Viewer, tolerance: str, shown: int) -> float:

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crosscut_detector::{Config, Preset, Registry};
 
+use crate::cli::InputArgs;
 use crate::exit::UsageError;
 use crate::{config, looking};
 
@@ -32,15 +33,15 @@ pub(crate) fn named(with: &[String], set: &[String], registry: &Registry) -> any
     Ok(configurations)
 }
 
-/// A `--with` and the settings of `set` as options of `run` and `debug`.
-pub(crate) fn run_options(with: &str, set: &[String]) -> Vec<String> {
-    With::parse(with).map_or_else(
-        |_| Vec::new(),
-        |With { preset, file, settings, .. }| {
-            let settings: Vec<String> = settings.iter().chain(set).cloned().collect();
-            looking::options(preset.filter(|preset| *preset != "default"), file.map(Path::new), &settings)
-        },
-    )
+/// Each `--with` and the settings of `set` as options of `run` and `debug`, with those that select the scans of `input`.
+pub(crate) fn run_options(input: &InputArgs, with: &[String], set: &[String]) -> Vec<Vec<String>> {
+    let options = |text: &String| {
+        let Ok(With { preset, file, settings, .. }) = With::parse(text) else { return input.options() };
+        let settings: Vec<String> = settings.iter().chain(set).cloned().collect();
+        let preset = preset.filter(|preset| *preset != "default");
+        [input.options(), looking::options(preset, file.map(Path::new), &settings)].concat()
+    };
+    with.iter().map(options).collect()
 }
 
 /// The files that `with` names.

@@ -3,34 +3,45 @@
 use std::path::{Path, PathBuf};
 
 use crosscut_evaluate::experiment::{FamilyOutcome, Outcome};
+use crosscut_evaluate::tables::Table;
+use serde::Serialize;
 
-use crate::cli::ConfigArgs;
+use crate::cli::{ConfigArgs, InputArgs};
 
 /// How a flight is looked at.
 pub(crate) struct Look {
     /// The command that records it; `None` where the flight is a recording (.rrd) itself.
     pub(crate) record: Option<String>,
     rrd: String,
+    /// The flight and the options, as a shell takes them.
+    words: String,
 }
 
 impl Look {
     /// Of the flight in `inputs`, with these [`options`] of `run`. `name` is that of a recording to be made.
     pub(crate) fn of(inputs: &[PathBuf], options: &[String], name: &str) -> Self {
+        let paths = inputs.iter().map(|input| input.to_string_lossy().into_owned());
+        let words = line(paths.chain(options.iter().cloned()));
         if let ([only], []) = (inputs, options)
             && only.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("rrd"))
         {
-            return Self { record: None, rrd: quoted(&only.to_string_lossy()) };
+            return Self { record: None, rrd: words.clone(), words };
         }
         let rrd = quoted(&format!("{name}.rrd"));
-        let inputs = inputs.iter().map(|input| input.to_string_lossy().into_owned());
-        let words = line(inputs.chain(options.iter().cloned()));
-        Self { record: Some(format!("crosscut run {words} --save {rrd}")), rrd }
+        Self { record: Some(format!("crosscut run {words} --save {rrd}")), rrd, words }
     }
 
     /// Of a flight with the settings of a command.
-    pub(crate) fn with(inputs: &[PathBuf], config: &ConfigArgs) -> Self {
+    pub(crate) fn with(input: &InputArgs, config: &ConfigArgs) -> Self {
+        let inputs = &input.recordings.input;
         let name = inputs.first().and_then(|input| input.file_stem()).unwrap_or_default().to_string_lossy();
-        Self::of(inputs, &options(config.preset.as_deref(), config.config.as_deref(), &config.set), &name)
+        let settings = options(config.preset.as_deref(), config.config.as_deref(), &config.set);
+        Self::of(inputs, &[input.options(), settings].concat(), &name)
+    }
+
+    /// The command that answers at a revolution.
+    pub(crate) fn debug(&self, seq: u64) -> String {
+        format!("crosscut debug {} --at {seq}", self.words)
     }
 
     /// The command that opens the viewer at a revolution.
@@ -52,27 +63,86 @@ pub(crate) fn options(preset: Option<&str>, file: Option<&Path>, settings: &[Str
     preset.into_iter().chain(file).chain(settings).flatten().collect()
 }
 
-/// The commands that show why an answer is wrong: one that a configuration breaks, or else one that it mends, as the first gives
-/// it. `options` are the [`options`] of each configuration, `flights` the files of the families.
-pub(crate) fn hint(outcomes: &[Outcome], flights: &[PathBuf], options: &[Vec<String>]) -> Option<String> {
-    let first = |of: fn(&FamilyOutcome) -> &[u64]| {
-        outcomes.iter().enumerate().find_map(|(place, outcome)| {
-            outcome.families.iter().find_map(|family| Some((place + 1, &family.family, *of(family).first()?)))
-        })
+/// What an experiment was made of, to look at each of its wrong answers.
+pub(crate) struct Looks<'a> {
+    /// The file of each family; those of the one flight if no family has a name.
+    pub(crate) flights: &'a [PathBuf],
+    /// The [`options`] of each configuration.
+    pub(crate) options: Vec<Vec<String>>,
+}
+
+/// A revolution that a configuration mends or breaks, and the command that shows the answer that is wrong there: of a broken one
+/// its own, of a mended one that of the first configuration.
+#[derive(Serialize)]
+pub(crate) struct WrongAnswer<'a> {
+    configuration: &'a str,
+    family: &'a str,
+    revolution: u64,
+    #[serde(rename = "is")]
+    what: &'static str,
+    command: String,
+}
+
+impl Looks<'_> {
+    /// The commands for all revolutions that are mended or broken, those that are broken first.
+    pub(crate) fn wrong_answers<'o>(&self, outcomes: &'o [Outcome]) -> Vec<WrongAnswer<'o>> {
+        let mut wrong = Vec::new();
+        for (what, of) in [
+            ("broken", (|family| &family.broken[..]) as fn(&FamilyOutcome) -> &[u64]),
+            ("mended", |family| &family.mended),
+        ] {
+            for (place, outcome) in outcomes.iter().enumerate() {
+                let (configuration, place) =
+                    (outcome.configuration.as_str(), if what == "broken" { place + 1 } else { 0 });
+                for family in outcome.families.iter().filter(|family| !of(family).is_empty()) {
+                    let Some(look) = self.look(&family.family, place) else { continue };
+                    let family_name = family.family.as_str();
+                    wrong.extend(of(family).iter().map(|&revolution| WrongAnswer {
+                        configuration,
+                        family: family_name,
+                        revolution,
+                        what,
+                        command: look.debug(revolution),
+                    }));
+                }
+            }
+        }
+        wrong
+    }
+
+    /// The command that shows one wrong answer, in a sentence; `option` lists all, and is named if there are more.
+    pub(crate) fn hint(&self, outcomes: &[Outcome], option: Option<&str>) -> Option<String> {
+        let wrong = self.wrong_answers(outcomes);
+        let more = option
+            .filter(|_| wrong.len() > 1)
+            .map_or_else(String::new, |option| format!(" ({option} lists the commands)"));
+        Some(format!("to see why: {}, then why{more}", wrong.first()?.command))
+    }
+
+    fn look(&self, family: &str, place: usize) -> Option<Look> {
+        let is_of_family = |path: &&PathBuf| {
+            path.file_stem().is_some_and(|stem| stem.to_string_lossy() == family)
+                || path.display().to_string() == family
+        };
+        let inputs = match self.flights {
+            all if family.is_empty() => all,
+            [_] => self.flights,
+            several => std::slice::from_ref(several.iter().find(is_of_family)?),
+        };
+        Some(Look::of(inputs, &self.options[place], "flight"))
+    }
+}
+
+/// The commands as a table; none without a wrong answer.
+pub(crate) fn table(wrong: &[WrongAnswer<'_>]) -> Option<Table> {
+    let row = |of: &WrongAnswer<'_>| {
+        [of.configuration, of.family, &of.revolution.to_string(), of.what, &of.command].map(str::to_owned).to_vec()
     };
-    let broken = first(|family| &family.broken);
-    let mended = || first(|family| &family.mended).map(|(_, family, seq)| (0, family, seq));
-    let (wrong, family, seq) = broken.or_else(mended)?;
-    let is_of_family = |path: &&PathBuf| {
-        path.file_stem().is_some_and(|stem| stem.to_string_lossy() == family.as_str())
-            || path.display().to_string() == *family
-    };
-    let flight = match flights {
-        [only] => only,
-        several => several.iter().find(is_of_family)?,
-    };
-    let words = std::iter::once(flight.to_string_lossy().into_owned()).chain(options[wrong].iter().cloned());
-    Some(format!("to see why: crosscut debug {}, then seek {seq} and why", line(words)))
+    (!wrong.is_empty()).then(|| Table {
+        title: "mended and broken, each with the command that shows the wrong answer".to_owned(),
+        header: ["configuration", "family", "revolution", "is", "command"].map(str::to_owned).to_vec(),
+        rows: wrong.iter().map(row).collect(),
+    })
 }
 
 /// Words as a shell takes them.
@@ -114,19 +184,28 @@ mod tests {
     }
 
     #[test]
-    fn the_wrong_answer_is_named_with_its_configuration_and_file() {
+    fn each_wrong_answer_is_named_with_its_configuration_and_file() {
         let mut experiment = Experiment::new(["paper", "mine"].map(str::to_owned).to_vec());
-        for (family, seq, right) in [("a", 0, [true, true]), ("b c", 7, [true, false])] {
+        for (family, seq, right) in [("a", 0, [true, true]), ("a", 3, [false, true]), ("b c", 7, [true, false])] {
             (0..2).for_each(|place| experiment.add(family, place, seq, right[place]));
         }
         let options = [["--preset", "paper"], ["--config", "mine.toml"]].map(|of| of.map(str::to_owned).to_vec());
         let flights = ["x/a.mcap", "x/b c.mcap"].map(PathBuf::from);
-        let said = hint(&experiment.outcomes(), &flights, &options).expect("one is broken");
-        assert_eq!(said, "to see why: crosscut debug 'x/b c.mcap' --config mine.toml, then seek 7 and why");
+        let looks = Looks { flights: &flights, options: options.to_vec() };
+        let broken = "crosscut debug 'x/b c.mcap' --config mine.toml --at 7";
+        let mended = "crosscut debug x/a.mcap --preset paper --at 3";
+        let outcomes = experiment.outcomes();
+        let wrong = looks.wrong_answers(&outcomes);
+        let found: Vec<_> = wrong.iter().map(|of| (of.family, of.revolution, of.what, of.command.as_str())).collect();
+        assert_eq!(found, [("b c", 7, "broken", broken), ("a", 3, "mended", mended)]);
+        let said = looks.hint(&outcomes, Some("--details"));
+        assert_eq!(said, Some(format!("to see why: {broken}, then why (--details lists the commands)")));
         experiment.add("b c", 0, 7, false);
-        assert_eq!(hint(&experiment.outcomes(), &flights, &options), None, "both are wrong");
-        experiment.add("a", 0, 0, false);
-        let said = hint(&experiment.outcomes(), &flights, &options).expect("one is mended");
-        assert_eq!(said, "to see why: crosscut debug x/a.mcap --preset paper, then seek 0 and why");
+        assert_eq!(
+            looks.hint(&experiment.outcomes(), Some("--details")),
+            Some(format!("to see why: {mended}, then why"))
+        );
+        experiment.add("a", 0, 3, true);
+        assert_eq!(looks.hint(&experiment.outcomes(), None), None, "both are right or both are wrong");
     }
 }

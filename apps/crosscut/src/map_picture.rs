@@ -13,6 +13,7 @@ const NOT_TAKEN: &str = "#e8308c";
 const JUNCTION: &str = "#e69f00";
 const DEAD_END: &str = "#5f5f5f";
 const WALLS: &str = "#8c8c8c";
+const UNSURE: &str = "#d6c713";
 
 /// A drawing on a page of its own, and one that has to be readable on a phone, are at most this wide.
 pub(crate) const WIDE_PX: f64 = 880.0;
@@ -38,12 +39,16 @@ const BAR_SHARE: f64 = 0.4;
 /// Walls are drawn as one dot for each square of this side.
 const SQUARE_PX: f64 = 1.2;
 const DOT_PX: f64 = 2.0;
+/// Of a place where the answer was unsure.
+const BEAD_PX: f64 = 5.0;
 
 /// What a drawing shows, in the frame of the map.
 pub(crate) struct Drawing {
     map: Map,
     walls_m: Vec<[f64; 2]>,
     path_m: Vec<[f64; 2]>,
+    /// Places of the path where the answer was unsure.
+    unsure_m: Vec<[f64; 2]>,
 }
 
 /// From metres of the map to pixels of the page.
@@ -66,8 +71,10 @@ impl Scale {
 impl Drawing {
     pub(crate) fn of(map: Map, seen: &Seen, mapper: &Mapper) -> Self {
         let placed_m = |at: &Anchored| mapper.placed(at).translation.vector.into();
-        let placed = |of: &[Anchored]| of.iter().map(placed_m).collect();
-        Self { map, walls_m: placed(seen.walls()), path_m: placed(seen.path()) }
+        let placed = |of: &[Anchored]| -> Vec<[f64; 2]> { of.iter().map(placed_m).collect() };
+        let path_m = placed(seen.path());
+        let unsure_m = seen.unsure_at().iter().map(|at| path_m[*at]).collect();
+        Self { map, walls_m: placed(seen.walls()), path_m, unsure_m }
     }
 
     /// The drawing under a title, at most `most_px` wide.
@@ -101,7 +108,7 @@ impl Drawing {
 
     /// Of all that is drawn; of nothing, a small square.
     fn corners_m(&self) -> [[f64; 2]; 2] {
-        let Self { map, walls_m, path_m } = self;
+        let Self { map, walls_m, path_m, .. } = self;
         let courses_m = map.passages.iter().flat_map(|passage| &passage.via_m);
         let of_map = map.nodes.iter().map(|node| &node.position_m).chain(courses_m).map(|at_m| [at_m.x, at_m.y]);
         let places_m = of_map.chain(walls_m.iter().chain(path_m).copied());
@@ -114,18 +121,20 @@ impl Drawing {
     }
 
     fn drawn(&self, mut page: Document, scale: Scale) -> Document {
-        let Self { map, walls_m, path_m } = self;
+        let Self { map, walls_m, path_m, unsure_m } = self;
         let mut squares = BTreeSet::new();
         let dots = walls_m.iter().map(|at_m| scale.px(*at_m).map(|px| (px / SQUARE_PX).round() as i64));
         let dots: String = dots
             .filter(|square| squares.insert(*square))
             .map(|[x, y]| format!("M{} {}h0", tenth(x as f64 * SQUARE_PX), tenth(y as f64 * SQUARE_PX)))
             .collect();
-        page = page.add(walls(&dots));
+        page = page.add(dotted(&dots, WALLS, DOT_PX));
         page = page.add(course(path_m.iter().copied(), scale, WALLS, 1.0));
         for passage in &map.passages {
             page = page.add(course(map.course_m(passage).map(|at_m| [at_m.x, at_m.y]), scale, PASSAGE, 3.0));
         }
+        let beads: String = unsure_m.iter().map(|at_m| scale.px(*at_m)).map(|[x, y]| format!("M{x} {y}h0")).collect();
+        page = page.add(dotted(&beads, UNSURE, BEAD_PX));
         for (id, node) in map.nodes.iter().enumerate() {
             let [x_px, y_px] = scale.px([node.position_m.x, node.position_m.y]);
             let ways = node.ways.iter().map(way);
@@ -147,9 +156,15 @@ impl Drawing {
         };
         let sign = |of| Group::new().add(place(of));
         let dots = "M-8 0h0M-4 1h0M0 0h0M4 -1h0M8 0h0";
+        let beads = "M-7 0h0M0 0h0M7 0h0";
         let entries = [
-            (!self.walls_m.is_empty(), "walls, where the lidar saw them", Group::new().add(walls(dots))),
+            (
+                !self.walls_m.is_empty(),
+                "walls, where the lidar saw them",
+                Group::new().add(dotted(dots, WALLS, DOT_PX)),
+            ),
             (!self.path_m.is_empty(), "way of the vehicle", stroke(WALLS, 1.0)),
+            (!self.unsure_m.is_empty(), "where the count was unsure", Group::new().add(dotted(beads, UNSURE, BEAD_PX))),
             (!passages.is_empty() || has_way(true), "passage, and a way that was taken", stroke(PASSAGE, 3.0)),
             (has_way(false), "way that was not taken", stroke(NOT_TAKEN, 4.0)),
             (has(HereKind::Junction), "junction, by its number", sign(HereKind::Junction)),
@@ -159,8 +174,9 @@ impl Drawing {
     }
 }
 
-fn walls(dots: &str) -> Path {
-    Path::new().set("d", dots).set("stroke", WALLS).set("stroke-width", DOT_PX).set("stroke-linecap", "round")
+/// Dots of this width.
+fn dotted(dots: &str, colour: &str, width_px: f64) -> Path {
+    Path::new().set("d", dots).set("stroke", colour).set("stroke-width", width_px).set("stroke-linecap", "round")
 }
 
 fn course(places_m: impl Iterator<Item = [f64; 2]>, scale: Scale, colour: &str, width_px: f64) -> Polyline {
@@ -223,11 +239,12 @@ mod tests {
         let map = Map { nodes: vec![node], ..Map::default() };
         let walls_m = vec![[-2.0, 1.0], [3.0, 1.0]];
         let title = "1 junction: 1 tee; 0 dead ends; 0 loops; 2 ways not taken";
-        let svg = Drawing { map, walls_m, path_m: Vec::new() }.svg(title, WIDE_PX);
+        let svg = Drawing { map, walls_m, path_m: Vec::new(), unsure_m: vec![[1.0, 0.0]] }.svg(title, WIDE_PX);
         let width_px =
             svg.split("width=\"").nth(1).and_then(|rest| rest.split('"').next()).and_then(|px| px.parse().ok());
         assert!(width_px.is_some_and(|width_px: f64| width_px > title.len() as f64 * 7.0), "{width_px:?}");
-        for part in [title, "walls, where the lidar saw them", "junction, by its number", ">\n2 m\n<"] {
+        let legend = ["walls, where the lidar saw them", "where the count was unsure", "junction, by its number"];
+        for part in [title, ">\n2 m\n<"].into_iter().chain(legend) {
             assert!(svg.contains(part), "{part}: {svg}");
         }
         assert!(!svg.contains("dead end<") && !svg.contains("way of the vehicle"), "only what is drawn is explained");

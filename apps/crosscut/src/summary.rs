@@ -31,7 +31,7 @@ pub(crate) fn tables(summary: &Summary) -> String {
         let more = summary.notes.by_frequency().len().saturating_sub(NOTES_SHOWN) as u64;
         text += &format!("\n{}\n", typeset::plain(&notes(summary, NOTES_SHOWN)));
         if more > 0 {
-            text += &format!(" and {} more in the results\n", counted(more, "kind"));
+            text += &format!(" and {} more, in the results (-o FILE.jsonl)\n", counted(more, "kind"));
         }
     }
     text

@@ -102,6 +102,7 @@ mod score;
 mod scoreboard;
 pub mod stage_values;
 pub mod tables;
+pub mod times;
 mod variants;
 pub mod verdict;
 

@@ -40,13 +40,7 @@ impl Verdict {
     /// The two-sided p of the exact test of McNemar.
     pub fn p(&self) -> f64 {
         let (tells, fewer) = (self.mends + self.breaks, self.mends.min(self.breaks));
-        // ln C(n, i) - n ln 2, from one i to the next.
-        let mut ln_share = -(tells as f64) * std::f64::consts::LN_2;
-        let mut sum = ln_share.exp();
-        for i in 1..=fewer {
-            ln_share += ((tells - i + 1) as f64).ln() - (i as f64).ln();
-            sum += ln_share.exp();
-        }
+        let sum: f64 = fair_coin(tells).take(fewer as usize + 1).sum();
         (2.0 * sum).min(1.0)
     }
 
@@ -59,6 +53,18 @@ impl Verdict {
         let (mends, breaks) = (thousands(mends), thousands(breaks));
         format!("{second} mends {mends} and breaks {breaks} of {of} (exact McNemar p = {}{corrected})", short(self.p()))
     }
+}
+
+/// C(n, i) / 2^n for i from 0 to n: the probability of i heads in n tosses of a fair coin.
+pub(crate) fn fair_coin(n: u64) -> impl Iterator<Item = f64> {
+    // ln C(n, i) - n ln 2, from one i to the next.
+    let mut ln_share = -(n as f64) * std::f64::consts::LN_2;
+    (0..=n).map(move |i| {
+        if i > 0 {
+            ln_share += ((n - i + 1) as f64).ln() - (i as f64).ln();
+        }
+        ln_share.exp()
+    })
 }
 
 /// Which of two configurations is surer where they differ.

@@ -6,6 +6,8 @@ use crate::Explanation;
 
 /// A verdict whose room differs from what an opening needs by more than this factor is not near to another one.
 const NEAR: f64 = 10.0;
+/// A wall of at most this many returns may be none.
+const FEW: usize = 3;
 
 /// What is nearest to another count.
 enum Nearest {
@@ -17,7 +19,8 @@ enum Nearest {
 
 impl Explanation {
     /// The count: "4 walls." And what is nearest to another one: "It would be 3 if orange and blue were one: the gap between
-    /// them is 3.2 m."; empty if nothing is known to be near. `color_of` names the colour in which a wall is drawn.
+    /// them is 3.2 m. Without vermilion, which has 2 returns, it would be 3."; empty if nothing is known to be near. `color_of`
+    /// names the colour in which a wall is drawn.
     pub fn sentence(&self, frame: &Frame, color_of: &dyn Fn(u32) -> &'static str) -> [String; 2] {
         let count = frame.junction.junctions;
         let walls = if frame.revolution.is_empty() {
@@ -30,21 +33,25 @@ impl Explanation {
             let shared = frame.junction.walls.iter().filter(|other| color_of(other.id) == color).count() > 1;
             if shared || color.is_empty() { format!("wall {wall}") } else { color.to_owned() }
         };
-        let nearest = match self.nearest(frame) {
-            Some(Nearest::Joined([a, b], gap_m)) => format!(
+        let near = self.nearest(frame).map(|nearest| match nearest {
+            Nearest::Joined([a, b], gap_m) => format!(
                 "It would be {} if {} and {} were one: the gap between them is {gap_m:.1} m.",
                 count.saturating_sub(1),
                 named(a),
                 named(b)
             ),
-            Some(Nearest::Broken(wall, gap_m)) => format!(
+            Nearest::Broken(wall, gap_m) => format!(
                 "It would be {} if {} were two: neighbours in it are {gap_m:.1} m apart.",
                 count + 1,
                 named(wall)
             ),
-            None => String::new(),
-        };
-        [walls, nearest]
+        });
+        let small = frame.junction.walls.iter().filter(|wall| !wall.island && wall.returns <= FEW && count > 1);
+        let without = small.min_by_key(|wall| wall.returns).map(|wall| {
+            let (name, returns) = (named(wall.id), counted(wall.returns as u64, "return"));
+            format!("Without {name}, which has {returns}, it would be {}.", count - 1)
+        });
+        [walls, near.into_iter().chain(without).collect::<Vec<_>>().join(" ")]
     }
 
     /// By the verdict nearest to its threshold where an affinity decides gap by gap, else by the smallest change of τ, else

@@ -2,12 +2,8 @@
 
 use std::fmt;
 
-use crosscut_stage::{Frame, Place, counted};
+use crosscut_stage::{Frame, Place, Unsure, counted};
 
-/// A confidence below this is low.
-const LOW_CONFIDENCE: f64 = 0.5;
-/// A low confidence is reported again only after it was above this.
-const RECOVERED_CONFIDENCE: f64 = 0.8;
 /// A margin below this is low.
 const LOW_DECADES: f64 = 0.5;
 /// A low margin is reported again only after the margin was above this.
@@ -94,7 +90,7 @@ impl Doubt {
 pub struct Watch {
     before: Option<(usize, Place)>,
     low: bool,
-    unsure: bool,
+    unsure: Unsure,
     wrong: Option<[usize; 2]>,
 }
 
@@ -113,13 +109,9 @@ impl Watch {
         {
             events.push(Event::Changed { junctions: [before.0, junctions], place: [before.1, place] });
         }
-        if let Some(confidence) = frame.junction.confidence {
-            if confidence < LOW_CONFIDENCE && !self.unsure {
-                self.unsure = true;
-                events.push(Event::Unsure { confidence });
-            } else if confidence > RECOVERED_CONFIDENCE {
-                self.unsure = false;
-            }
+        let was_unsure = self.unsure.is_unsure();
+        if self.unsure.after(frame.junction.confidence) && !was_unsure {
+            events.extend(frame.junction.confidence.map(|confidence| Event::Unsure { confidence }));
         }
         if let Some(decades) = frame.spectrum.margin_decades {
             if decades < LOW_DECADES && !self.low {
@@ -134,7 +126,7 @@ impl Watch {
 
     /// What is doubtful of the last revolution that was watched.
     pub fn doubt(&self) -> Doubt {
-        match (self.wrong, self.unsure) {
+        match (self.wrong, self.unsure.is_unsure()) {
             (Some(_), _) => Doubt::Wrong,
             (None, true) => Doubt::Unsure,
             (None, false) => Doubt::None,

@@ -1,7 +1,7 @@
 //! Explanations of graphs small enough to be worked out by hand.
 
 use crosscut_explain::{Edge, Event, Explanation, Watch};
-use crosscut_stage::{Beam, Frame, Measured, Place, Point, Sweep, Verdict, Weights};
+use crosscut_stage::{Beam, Frame, Measured, Place, Point, Sweep, Verdict, Wall, Weights};
 use faer::Mat;
 
 /// Returns along a line at these places, with W = exp(-σ d²), in walls.
@@ -176,9 +176,12 @@ fn the_text_names_beams_distances_weights_and_notes() {
     frame.revolution.sweep = Some(Sweep { beams, ..Sweep::default() });
     frame.notes.add("3 beams masked");
     frame.junction.junctions = 2;
+    let wall = |id, returns| Wall { id, returns, bearing_rad: [0.0; 2], island: false };
+    frame.junction.walls = vec![wall(0, 4), wall(1, 3)];
     let text = Explanation::of(&frame).to_markdown(&frame, &|wall| ["blue", "orange"][wall as usize]);
     for expected in [
-        "## 2 walls.\n\n**It would be 1 if orange and blue were one: the gap between them is 3.0 m.**",
+        "## 2 walls.\n\n**It would be 1 if orange and blue were one: the gap between them is 3.0 m. Without orange, which has 3 \
+         returns, it would be 1.**",
         "k = 2 zeros of L",
         "beams 4, 5: 3.00 m",
         "beams 2, 4: 1.50 m",

@@ -25,6 +25,7 @@ pub enum Found {
     Xz,
     SevenZip,
     Zip,
+    Spreadsheet,
     Tar,
     Pcap,
     ULog,
@@ -36,6 +37,7 @@ pub enum Found {
     Parquet,
     Pickle,
     Picture,
+    Mesh,
     LfsPointer,
     WebPage,
     BagMetadata,
@@ -76,7 +78,7 @@ const SIGNS: &[(&[u8], Found)] = &[
     (b"\x1f\x8b", Found::Gzip),
     (b"\xfd7zXZ\0", Found::Xz),
     (b"7z\xbc\xaf\x27\x1c", Found::SevenZip),
-    (b"PK\x03\x04", Found::Zip),
+    (ZIP, Found::Zip),
     (b"\xd4\xc3\xb2\xa1", Found::Pcap),
     (b"\xa1\xb2\xc3\xd4", Found::Pcap),
     (b"\x0a\x0d\x0d\x0a", Found::Pcap),
@@ -92,7 +94,9 @@ const SIGNS: &[(&[u8], Found)] = &[
     (b"\x80\x05\x95", Found::Pickle),
     (b"\x89PNG", Found::Picture),
     (b"\xff\xd8\xff", Found::Picture),
+    (b"P2\n", Found::Picture),
     (b"P5\n", Found::Picture),
+    (b"solid ", Found::Mesh),
     (b"# .PCD", Found::Pcd),
     (b"VERSION .", Found::Pcd),
     (b"VERSION 0.", Found::Pcd),
@@ -100,6 +104,12 @@ const SIGNS: &[(&[u8], Found)] = &[
     (b"ply\r\n", Found::Ply),
     (b"version https://git-lfs.github.com/", Found::LfsPointer),
 ];
+
+/// How a ZIP archive begins, and where the name of its first file stands.
+const ZIP: &[u8] = b"PK\x03\x04";
+const ZIP_NAME_AT: usize = 30;
+/// The first file of documents that are ZIP archives: of Excel and its kin, and of LibreOffice.
+const FIRST_IN_DOCUMENTS: [&[u8]; 2] = [b"[Content_Types].xml", b"mimetype"];
 
 /// What a tar archive has at this byte.
 const TAR_SIGN: (usize, &[u8]) = (257, b"ustar");
@@ -127,6 +137,10 @@ impl Found {
         }
         if start.get(TAR_SIGN.0..).is_some_and(|rest| rest.starts_with(TAR_SIGN.1)) {
             return Self::Tar;
+        }
+        let first_in_zip = start.get(ZIP_NAME_AT..).filter(|_| start.starts_with(ZIP)).unwrap_or_default();
+        if FIRST_IN_DOCUMENTS.iter().any(|name| first_in_zip.starts_with(name)) {
+            return Self::Spreadsheet;
         }
         if let Some((_, found)) = SIGNS.iter().find(|(sign, _)| start.starts_with(sign)) {
             return found.clone();
@@ -198,6 +212,7 @@ impl fmt::Display for Found {
             Self::Xz => "it is compressed with xz; decompress it first: `unxz FILE`",
             Self::SevenZip => "it is a 7z archive; unpack it first: `7z x FILE`",
             Self::Zip => "it is a ZIP archive; unpack it first: `unzip FILE`",
+            Self::Spreadsheet => "it is a document such as a spreadsheet; save its table as CSV, a scan a row: time, r0, r1, ...",
             Self::Tar => "it is a tar archive; unpack it first: `tar xf FILE`",
             Self::Pcap => "it is a capture of network packets; the driver of the sensor makes scans of it",
             Self::ULog => "it is a PX4 ULog, which has no laser scans",
@@ -227,11 +242,15 @@ impl fmt::Display for Found {
             }
             Self::Pickle => "it is a Python pickle, which is not read; save a scan a row as CSV: time, r0, r1, ...",
             Self::Picture => "it is a picture; crosscut reads the scans of a lidar, no maps",
+            Self::Mesh => "it is a mesh (STL), which holds no scans; crosscut reads the recordings of a lidar",
             Self::LfsPointer => "it is a Git LFS pointer, not the file itself; fetch that with `git lfs pull`",
             Self::WebPage => "it is a web page: the download failed, or needs a login; download the file again",
             Self::BagMetadata => "it is the metadata of a rosbag2; give its folder",
             Self::Carmen => "it is a CARMEN log",
-            Self::Json => "it is JSON, such as results of crosscut; give the recording that they were made of",
+            Self::Json => {
+                "it is JSON; of results of crosscut, give the recording that they were made of; save other scans as a table \
+                 with a scan a row: time, r0, r1, ..."
+            }
             Self::Table => "it is a table of ranges",
             Self::AngleTable => {
                 "it is a table with an angle and a distance in each row; a table of ranges has a scan a row: write the \
@@ -348,6 +367,10 @@ mod tests {
         assert_eq!(Found::in_file(b"\xfd7zXZ\0\0"), Found::Xz);
         assert_eq!(Found::in_file(&[&[b'n'; 257][..], b"ustar"].concat()), Found::Tar);
         assert_eq!(Found::in_file(b"RRF2\0\0"), Found::Rerun);
+        assert_eq!(Found::in_file(b"PK\x03\x04"), Found::Zip);
+        assert_eq!(Found::in_file(&[ZIP, &[1; 26], b"[Content_Types].xml"].concat()), Found::Spreadsheet);
+        assert_eq!(Found::in_file(b"solid mine\n facet normal 0 0 1\n"), Found::Mesh);
+        assert_eq!(Found::in_file(b"P2\n4 4\n255\n"), Found::Picture);
         assert_eq!(Found::in_file(b"# .PCD v0.7 - Point Cloud Data\n"), Found::Pcd);
         assert_eq!(Found::in_file(b"ply\r\nformat binary_little_endian 1.0\r\n"), Found::Ply);
         assert_eq!(Found::in_file(b"\xff\xfe\xfd"), Found::Unknown(vec![0xff, 0xfe, 0xfd]));

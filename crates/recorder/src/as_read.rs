@@ -21,12 +21,12 @@ impl AsRead {
             let geometry = geometry(sweep);
             let bits = geometry.map(f64::to_bits); // NaN equals itself
             if self.sweep.replace(bits) != Some(bits) {
-                rows.log(&SCAN_SWEEP, &f64_vector(geometry.to_vec(), SCAN_SWEEP.dims));
+                rows.log_tensor(&SCAN_SWEEP, f64_vector(geometry.to_vec(), SCAN_SWEEP.dims), &[]);
             }
         }
         if !is_told(revolution) {
             let points = revolution.points_m.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
-            rows.log(&SCAN_POINTS, &f64_matrix(points, [revolution.len(), 3], SCAN_POINTS.dims));
+            rows.log_tensor(&SCAN_POINTS, f64_matrix(points, [revolution.len(), 3], SCAN_POINTS.dims), &[]);
         }
         if let Some(pose) = &revolution.odometry {
             let (at, turned) = (pose.translation.vector, pose.rotation);

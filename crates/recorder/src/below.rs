@@ -2,13 +2,11 @@
 
 use std::time::Duration;
 
-use crosscut_rrd::messages::chunk_of;
+use crosscut_rrd::messages::{ENTITY_PATH, chunk_of};
 use rerun::StoreKind;
 use rerun::external::re_log_types::{ArrowMsg, EntityPath};
 use rerun::log::LogMsg;
 use rerun::sink::{LogSink, SinkFlushError};
-
-use crate::live::LiveSink;
 
 /// The message with its entity below another one.
 ///
@@ -23,7 +21,7 @@ pub(crate) fn moved(arrow: &ArrowMsg, below: &EntityPath) -> Result<ArrowMsg, St
 /// A sink whose entities come out below another one. Layouts and the name of the recording pass unchanged.
 pub(crate) struct Below {
     pub(crate) path: EntityPath,
-    pub(crate) sink: LiveSink,
+    pub(crate) sink: Box<dyn LogSink>,
 }
 
 impl LogSink for Below {
@@ -45,6 +43,6 @@ impl LogSink for Below {
 
 /// Whether the message is about the recording as a whole.
 fn is_property(arrow: &ArrowMsg) -> bool {
-    let entity = arrow.batch.schema_ref().metadata().get("rerun:entity_path");
+    let entity = arrow.batch.schema_ref().metadata().get(ENTITY_PATH);
     entity.is_some_and(|entity| entity.starts_with("/__"))
 }

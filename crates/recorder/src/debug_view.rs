@@ -103,7 +103,7 @@ impl DebugView {
     }
 
     fn recorder(&self, below: &str, options: RecorderOptions) -> Result<Recorder, RecorderError> {
-        let sink = Below { path: below.into(), sink: self.live.sink() };
+        let sink = Below { path: below.into(), sink: Box::new(self.live.sink()) };
         let options = RecorderOptions { ids: Some(self.ids.clone()), scope: Scope::default(), ..options };
         Recorder::beside(options, Box::new(sink))
     }

@@ -19,6 +19,6 @@ pub(crate) fn log(rows: &mut Rows, frame: &Frame) {
             upper[i * n + j] = w;
         }
     });
-    rows.log(&AFFINITY_W_EXACT, &f64_matrix(upper, [n, n], AFFINITY_W_EXACT.dims));
-    rows.log(&SPECTRAL_U_EXACT, &f64_rows(&frame.spectrum.u, SPECTRAL_U_EXACT.dims));
+    rows.log_tensor(&AFFINITY_W_EXACT, f64_matrix(upper, [n, n], AFFINITY_W_EXACT.dims), &[]);
+    rows.log_tensor(&SPECTRAL_U_EXACT, f64_rows(&frame.spectrum.u, SPECTRAL_U_EXACT.dims), &[]);
 }

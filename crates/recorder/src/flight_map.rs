@@ -9,12 +9,12 @@ use rerun::{
     StateChange, StateConfiguration, TextDocument, TextLog, TextLogLevel,
 };
 
-use crate::colors::{GREY, OPENING, REPORTED, VEHICLE, WORDS, color};
+use crate::colors::{DOUBTS, GREY, OPENING, REPORTED, VEHICLE, WORDS, color};
 use crate::rows::Rows;
 use crate::scan::step_m;
 use crate::schema::{
     FLIGHT_GRAPH, FLIGHT_HERE, FLIGHT_NODES, FLIGHT_PASSAGES, FLIGHT_PATH, FLIGHT_POSE, FLIGHT_SCALE, FLIGHT_SUMMARY,
-    FLIGHT_WALLS, FLIGHT_WALLS_NEW, LOG,
+    FLIGHT_UNSURE, FLIGHT_WALLS, FLIGHT_WALLS_NEW, LOG,
 };
 use crate::tensors::f64_vector;
 
@@ -70,6 +70,9 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     rec.log_static(FLIGHT_SCALE.path, &line(WORDS, 1.5))?;
     rec.log_static(FLIGHT_PATH.path, &line(GREY, 0.7))?;
     rec.log_static(FLIGHT_PASSAGES.path, &line(PASSAGE, 2.0))?;
+    let [_, unsure, _] = DOUBTS;
+    let beads = Points2D::update_fields().with_colors([color(unsure)]).with_radii([ui(3.0)]);
+    rec.log_static(FLIGHT_UNSURE.path, &beads)?;
     let points = Points2D::update_fields().with_colors([color(WORDS)]).with_radii([ui(1.5)]);
     rec.log_static(FLIGHT_WALLS.path, &points)?;
     rec.log_static(FLIGHT_WALLS_NEW.path, &points)
@@ -99,7 +102,7 @@ impl FlightMap {
         let [at, ahead] = [0.0, AHEAD_M].map(|x| drawn(&(pose * Point2::new(x, 0.0))));
         let vehicle = LineStrips2D::new([[at, ahead]]);
         let disc = Points2D::new([at]);
-        rows.log(&FLIGHT_POSE, &[&vehicle as &dyn AsComponents, &disc, &exact]);
+        rows.log_tensor(&FLIGHT_POSE, exact, &[&vehicle, &disc]);
         if let Some(here) = FlightAnswer::of(frame).steady_here() {
             rows.log(&FLIGHT_HERE, &StateChange::single(here.kind.name()));
         }
@@ -123,7 +126,17 @@ impl FlightMap {
         if is_way_due || is_corrected || again {
             self.log_way(rows, again || is_corrected || self.drawn_walls[0] != whole_before);
         }
-        log_map(rows, &self.drawn, self.no_place.reason(&self.drawn));
+        log_map(rows, &self.drawn, self.no_place.reason(&self.drawn), self.unsure_share());
+    }
+
+    /// Of the way that is drawn, the places where the answer was unsure.
+    fn unsure(&self) -> impl Iterator<Item = &Anchored> {
+        let path = &self.seen.path()[..self.drawn_path];
+        self.seen.unsure_at().iter().filter_map(|at| path.get(*at))
+    }
+
+    fn unsure_share(&self) -> f64 {
+        self.unsure().count() as f64 / self.drawn_path.max(1) as f64
     }
 
     /// Merges and refusals that are new.
@@ -147,6 +160,10 @@ impl FlightMap {
     fn log_way(&self, rows: &mut Rows, with_whole: bool) {
         let path = self.seen.path()[..self.drawn_path].iter().map(|place| drawn(&self.at(place))).collect::<Vec<_>>();
         rows.log(&FLIGHT_PATH, &LineStrips2D::new([path]));
+        let unsure = self.unsure().map(|place| drawn(&self.at(place))).collect::<Vec<_>>();
+        if !unsure.is_empty() {
+            rows.log(&FLIGHT_UNSURE, &Points2D::new(unsure));
+        }
         let [whole, all] = self.drawn_walls;
         let places = |walls: &[Anchored]| walls.iter().map(|wall| drawn(&self.at(wall))).collect::<Vec<_>>();
         if with_whole {
@@ -176,7 +193,7 @@ fn log_scale(rows: &mut Rows, walls: Vec<[f32; 2]>) {
 }
 
 /// Nodes with their ways, passages, the graph, and all in words.
-fn log_map(rows: &mut Rows, map: &Map, no_place: Option<String>) {
+fn log_map(rows: &mut Rows, map: &Map, no_place: Option<String>, unsure_share: f64) {
     let passages = map.passages.iter().map(|passage| map.course_m(passage).map(drawn).collect::<Vec<_>>());
     rows.log(&FLIGHT_PASSAGES, &LineStrips2D::new(passages));
     let ways = || map.nodes.iter().flat_map(|node| node.ways.iter().map(move |way| (node, way)));
@@ -197,7 +214,7 @@ fn log_map(rows: &mut Rows, map: &Map, no_place: Option<String>) {
     let edges = map.passages.iter().map(|passage| (passage.from.to_string(), passage.to.to_string()));
     let edges = GraphEdges::new(edges).with_undirected_edges();
     rows.log(&FLIGHT_GRAPH, &[&graph as &dyn AsComponents, &edges]);
-    rows.log(&FLIGHT_SUMMARY, &TextDocument::from_markdown(summary(map, no_place)));
+    rows.log(&FLIGHT_SUMMARY, &TextDocument::from_markdown(summary(map, no_place, unsure_share)));
 }
 
 /// In a view whose y axis points down.
@@ -216,8 +233,11 @@ fn kind_of(node: &Node) -> String {
     }
 }
 
-fn summary(map: &Map, no_place: Option<String>) -> String {
+fn summary(map: &Map, no_place: Option<String>, unsure_share: f64) -> String {
     let mut lines = vec![no_place.map_or_else(|| format!("## {}\n", map.summary()), |reason| format!("## {reason}\n"))];
+    if unsure_share > 0.0 {
+        lines.push(format!("Unsure on {:.0} % of the way: *yellow* on the map.\n", (100.0 * unsure_share).max(1.0)));
+    }
     if !map.nodes.is_empty() {
         lines.push("| node | place | ways not taken | visits |\n|---|---|---|---|".to_owned());
     }

@@ -55,7 +55,7 @@ impl Pictures {
     /// Degrees, and the pictures of W and L.
     pub(crate) fn log(&mut self, rows: &mut Rows, frame: &Frame, order: &BeamOrder) {
         let degrees = frame.affinity.degrees.iter().map(|&d| d as f32).collect();
-        rows.log(&AFFINITY_DEGREES, &f32_vector(degrees, AFFINITY_DEGREES.dims));
+        rows.log_tensor(&AFFINITY_DEGREES, f32_vector(degrees, AFFINITY_DEGREES.dims), &[]);
         self.side = order.side;
         self.clear();
         if is_drawn(frame) {

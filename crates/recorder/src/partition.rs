@@ -1,7 +1,7 @@
 //! Clusters: the label of each return, and the centroids among the rows of U.
 
 use crosscut_stage::{Frame, Partition, Weights};
-use rerun::{AsComponents, LineStrips2D, Points3D, Radius, RecordingStream, RecordingStreamResult};
+use rerun::{LineStrips2D, Points3D, Radius, RecordingStream, RecordingStreamResult};
 
 use crate::beam_order::BeamOrder;
 use crate::colors::NO_WALL;
@@ -37,7 +37,7 @@ pub(crate) fn log(rows: &mut Rows, frame: &Frame, order: &BeamOrder, classes: &C
     let points = Points3D::new((0..clusters).map(|c| drawn_row(centroids, c, scale)))
         .with_class_ids((0..clusters).map(|c| classes.of_cluster(u32::try_from(c).ok())));
     let exact = f64_rows(centroids, KMEANS_CENTROIDS.dims);
-    rows.log(&KMEANS_CENTROIDS, &[&exact as &dyn AsComponents, &points]);
+    rows.log_tensor(&KMEANS_CENTROIDS, exact, &[&points]);
 }
 
 /// The labels, -1 for a return that was left out, and the clusters as bars along the sides of W.
@@ -52,7 +52,7 @@ fn log_labels(rows: &mut Rows, partition: &Partition, order: &BeamOrder, classes
     let bars =
         LineStrips2D::new(runs.iter().flat_map(along)).with_class_ids(runs.iter().flat_map(|&(class, ..)| [class; 2]));
     let exact = i32_vector(partition.labels.iter().map(|label| label.map_or(-1, u32::cast_signed)), KMEANS_LABELS.dims);
-    rows.log(&KMEANS_LABELS, &[&exact as &dyn AsComponents, &bars]);
+    rows.log_tensor(&KMEANS_LABELS, exact, &[&bars]);
 }
 
 /// Frames around the blocks of the walls on the diagonal of W. Those of a sparse W are hatched: its entries are too few to

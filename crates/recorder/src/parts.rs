@@ -24,5 +24,5 @@ fn is_free(path: &Path) -> bool {
 
 /// Records at the first revolution of a part which one it is, from 1; and at its last again if another part follows.
 pub(crate) fn log(rows: &mut Rows, part: u64, continues: bool) {
-    rows.log(&PART, &f64_vector(vec![part as f64, f64::from(u8::from(continues))], PART.dims));
+    rows.log_tensor(&PART, f64_vector(vec![part as f64, f64::from(u8::from(continues))], PART.dims), &[]);
 }

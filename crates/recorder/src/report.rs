@@ -42,12 +42,12 @@ pub(crate) fn log(rows: &mut Rows, frame: &Frame, classes: &Classes) {
     rows.log(&REPORT_CONFIDENCE, &Scalars::new(junction.confidence));
     rows.log(&REPORT_PLACE, &StateChange::single(junction.place.to_string()));
     rows.log(&REPORT_SUMMARY, &TextDocument::new(summary(frame, classes)));
-    rows.log(&REPORT_LABELS, &i32_vector(frame.labels().into_iter(), REPORT_LABELS.dims));
-    rows.log(&REPORT_WALLS, &walls(frame, classes));
+    rows.log_tensor(&REPORT_LABELS, i32_vector(frame.labels().into_iter(), REPORT_LABELS.dims), &[]);
+    rows.log_tensor(&REPORT_WALLS, walls(frame, classes), &[]);
 }
 
 /// A row per wall.
-fn walls(frame: &Frame, classes: &Classes) -> rerun::Tensor {
+fn walls(frame: &Frame, classes: &Classes) -> rerun::TensorData {
     let walls = &frame.junction.walls;
     let row = |wall: &Wall| {
         let [from_rad, to_rad] = wall.bearing_rad;

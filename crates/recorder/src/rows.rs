@@ -5,12 +5,14 @@
 
 use std::collections::BTreeMap;
 
-use rerun::external::arrow::array::{Array as _, ArrayRef};
-use rerun::external::re_arrow_util::arrays_to_list_array_opt;
+use rerun::external::arrow::array::{Array as _, ArrayRef, ListArray};
+use rerun::external::arrow::buffer::{NullBuffer, OffsetBuffer};
+use rerun::external::re_arrow_util::{arrays_to_list_array_opt, canonical_component_list_field};
 use rerun::log::TimeColumn;
 use rerun::{
-    AsComponents, ComponentDescriptor, RecordingStream, RecordingStreamError, RecordingStreamResult,
-    SerializedComponentBatch, SerializedComponentColumn,
+    AsComponents, BarChart, ComponentBatch as _, ComponentDescriptor, Loggable, RecordingStream, RecordingStreamError,
+    RecordingStreamResult, SerializationResult, SerializedComponentBatch, SerializedComponentColumn, Tensor,
+    TensorData, components,
 };
 
 use crate::schema::Entity;
@@ -41,7 +43,28 @@ struct Waiting {
 /// The values of one component by row; `None` where a row lacks it.
 struct Column {
     descriptor: ComponentDescriptor,
-    cells: Vec<Option<ArrayRef>>,
+    cells: Vec<Option<Cell>>,
+}
+
+/// The value of a component in one row.
+enum Cell {
+    Array(ArrayRef),
+    /// All tensors of a column become one array: an array for each, which has a child for every type of numbers, takes longer than
+    /// its values.
+    Tensor(TensorData),
+}
+
+impl Cell {
+    fn bytes(&self) -> usize {
+        match self {
+            Self::Array(array) => array.get_buffer_memory_size(),
+            Self::Tensor(tensor) => tensor.buffer.size_in_bytes(),
+        }
+    }
+}
+
+fn described(batch: SerializedComponentBatch) -> (ComponentDescriptor, Cell) {
+    (batch.descriptor, Cell::Array(batch.array))
 }
 
 impl Rows {
@@ -70,8 +93,40 @@ impl Rows {
             self.failed = self.failed.take().or(logged.err());
             return;
         };
-        self.bytes += batches.iter().map(|batch| batch.array.get_buffer_memory_size()).sum::<usize>();
-        self.waiting.entry(path).or_default().push(time, batches);
+        self.push(path, time, batches.into_iter().map(described).collect());
+    }
+
+    /// Adds a row of an entity: a tensor, and what draws it.
+    pub(crate) fn log_tensor(&mut self, entity: &Entity, tensor: TensorData, drawn: &[&dyn AsComponents]) {
+        self.log_numbers(entity, Tensor::descriptor_data(), tensor, drawn);
+    }
+
+    /// Adds a row of an entity that is a chart of these numbers.
+    pub(crate) fn log_chart(&mut self, entity: &Entity, numbers: TensorData) {
+        self.log_numbers(entity, BarChart::descriptor_values(), numbers, &[]);
+    }
+
+    fn log_numbers(
+        &mut self,
+        entity: &Entity,
+        is: ComponentDescriptor,
+        numbers: TensorData,
+        drawn: &[&dyn AsComponents],
+    ) {
+        let drawn = drawn.iter().flat_map(|drawn| drawn.as_serialized_batches());
+        let Some(time) = self.time.filter(|_| !self.at_once) else {
+            let batches = components::TensorData(numbers).serialized(is).into_iter().chain(drawn);
+            let logged = self.rec.log_serialized_batches(entity.path, self.time.is_none(), batches);
+            self.failed = self.failed.take().or(logged.err());
+            return;
+        };
+        let numbers = (is, Cell::Tensor(numbers));
+        self.push(entity.path, time, std::iter::once(numbers).chain(drawn.map(described)).collect());
+    }
+
+    fn push(&mut self, path: &'static str, time: [i64; 2], cells: Vec<(ComponentDescriptor, Cell)>) {
+        self.bytes += cells.iter().map(|(_, cell)| cell.bytes()).sum::<usize>();
+        self.waiting.entry(path).or_default().push(time, cells);
     }
 
     /// Bytes of all rows that wait.
@@ -90,18 +145,20 @@ impl Rows {
                 TimeColumn::new_sequence("revolution", waiting.revolutions),
                 TimeColumn::new_timestamp_nanos_since_epoch("stamp", waiting.stamps_ns),
             ];
-            self.rec.send_columns(path, times, waiting.columns.into_iter().filter_map(Column::into_serialized))?;
+            let columns =
+                waiting.columns.into_iter().map(Column::into_serialized).collect::<SerializationResult<Vec<_>>>()?;
+            self.rec.send_columns(path, times, columns.into_iter().flatten())?;
         }
         self.failed.take().map_or(Ok(()), Err)
     }
 }
 
 impl Waiting {
-    fn push(&mut self, [revolution, stamp_ns]: [i64; 2], batches: Vec<SerializedComponentBatch>) {
-        let row = self.revolutions.len();
+    fn push(&mut self, [revolution, stamp_ns]: [i64; 2], row: Vec<(ComponentDescriptor, Cell)>) {
+        let number = self.revolutions.len();
         self.revolutions.push(revolution);
         self.stamps_ns.push(stamp_ns);
-        for (at, SerializedComponentBatch { descriptor, array }) in batches.into_iter().enumerate() {
+        for (at, (descriptor, cell)) in row.into_iter().enumerate() {
             let is_same = |column: &Column| column.descriptor == descriptor;
             // A row mostly has the components of the one before.
             let known = self.columns.get(at).is_some_and(is_same).then_some(at);
@@ -111,18 +168,45 @@ impl Waiting {
                 self.columns.len() - 1
             });
             let cells = &mut self.columns[column].cells;
-            cells.resize(row, None);
-            cells.push(Some(array));
+            cells.resize_with(number, || None);
+            cells.push(Some(cell));
         }
         for column in &mut self.columns {
-            column.cells.resize(row + 1, None);
+            column.cells.resize_with(number + 1, || None);
         }
     }
 }
 
 impl Column {
-    fn into_serialized(self) -> Option<SerializedComponentColumn> {
-        let cells: Vec<_> = self.cells.iter().map(Option::as_deref).collect();
-        Some(SerializedComponentColumn::new(arrays_to_list_array_opt(&cells)?, self.descriptor))
+    fn into_serialized(self) -> SerializationResult<Option<SerializedComponentColumn>> {
+        let is_tensor = |cell: &Option<Cell>| !matches!(cell, Some(Cell::Array(_)));
+        let list = if self.cells.iter().all(is_tensor) { tensors(&self.cells)? } else { arrays(&self.cells)? };
+        Ok(list.map(|list| SerializedComponentColumn::new(list, self.descriptor)))
     }
+}
+
+/// The cells of a column of tensors alone.
+fn tensors(cells: &[Option<Cell>]) -> SerializationResult<Option<ListArray>> {
+    let of = |cell: &Option<Cell>| match cell {
+        Some(Cell::Tensor(tensor)) => Some(components::TensorData(tensor.clone())),
+        _ => None,
+    };
+    let values = <components::TensorData as Loggable>::to_arrow(cells.iter().filter_map(of))?;
+    let field = canonical_component_list_field(values.data_type().clone());
+    let offsets = OffsetBuffer::from_lengths(cells.iter().map(|cell| usize::from(cell.is_some())));
+    let nulls: NullBuffer = cells.iter().map(Option::is_some).collect();
+    Ok(Some(ListArray::new(field.into(), offsets, values, Some(nulls))))
+}
+
+/// The cells of any other column.
+fn arrays(cells: &[Option<Cell>]) -> SerializationResult<Option<ListArray>> {
+    let array = |cell: &Option<Cell>| match cell {
+        Some(Cell::Array(array)) => Ok(Some(ArrayRef::clone(array))),
+        Some(Cell::Tensor(tensor)) => {
+            <components::TensorData as Loggable>::to_arrow([components::TensorData(tensor.clone())]).map(Some)
+        }
+        None => Ok(None),
+    };
+    let arrays = cells.iter().map(array).collect::<SerializationResult<Vec<_>>>()?;
+    Ok(arrays_to_list_array_opt(&arrays.iter().map(Option::as_deref).collect::<Vec<_>>()))
 }

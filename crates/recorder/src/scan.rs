@@ -56,8 +56,8 @@ pub(crate) fn log(rows: &mut Rows, frame: &Frame, classes: &Classes, reach_m: f6
     rows.log(&SCAN_RETURNS, &Points3D::new(points).with_class_ids(of_returns));
     rows.log(&SCAN_COUNT, &Scalars::single(revolution.len() as f64));
     if let Some(sweep) = revolution.beams() {
-        rows.log(&SCAN_RANGES, &f32_vector(sweep.ranges_m.clone(), SCAN_RANGES.dims));
-        rows.log(&SCAN_SEEN, &u8_vector(sweep.beams.iter().map(seen), SCAN_SEEN.dims));
+        rows.log_tensor(&SCAN_RANGES, f32_vector(sweep.ranges_m.clone(), SCAN_RANGES.dims), &[]);
+        rows.log_tensor(&SCAN_SEEN, u8_vector(sweep.beams.iter().map(seen), SCAN_SEEN.dims), &[]);
     }
     log_walls(rows, revolution, junction, classes);
     log_openings(rows, &junction.openings, reach_m);
@@ -121,7 +121,7 @@ fn log_openings(rows: &mut Rows, openings: &[Opening], reach_m: f64) {
     let bars = LineStrips3D::new(openings.iter().map(|o| o.edge_m.map(|end| xyz(&end))));
     let exact = openings.iter().flat_map(|o| [o.bearing_rad, o.width_m]).collect();
     let table = f64_matrix(exact, [openings.len(), 2], SCAN_OPENINGS.dims);
-    rows.log(&SCAN_OPENINGS, &[&arrows as &dyn AsComponents, &bars, &widths, &table]);
+    rows.log_tensor(&SCAN_OPENINGS, table, &[&arrows, &bars, &widths]);
 }
 
 /// The place nearest to `at` where text fits into a view that reaches `reach_m`: it fits if its middle is no farther out
@@ -161,8 +161,8 @@ impl BeamGeometry {
         }
         self.bearings_rad.clone_from(&sweep.bearings_rad);
         self.wire = sweep.wire_geometry;
-        rows.log(&SCAN_BEAMS, &f64_vector(self.bearings_rad.clone(), SCAN_BEAMS.dims));
-        rows.log(&SCAN_BEAMS_WIRE, &f32_vector(self.wire.to_vec(), SCAN_BEAMS_WIRE.dims));
+        rows.log_tensor(&SCAN_BEAMS, f64_vector(self.bearings_rad.clone(), SCAN_BEAMS.dims), &[]);
+        rows.log_tensor(&SCAN_BEAMS_WIRE, f32_vector(self.wire.to_vec(), SCAN_BEAMS_WIRE.dims), &[]);
         true
     }
 }

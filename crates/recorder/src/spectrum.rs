@@ -60,7 +60,7 @@ pub(crate) fn log(rows: &mut Rows, frame: &Frame) {
     let spectrum = &frame.spectrum;
     let stored = &spectrum.eigenvalues[..spectrum.eigenvalues.len().min(STORED.max(spectrum.k + 1))];
     let exact = TensorData::new(vec![stored.len() as u64], TensorBuffer::F64(stored.to_vec().into()));
-    rows.log(&SPECTRAL_EIGENVALUES, &BarChart::new(exact));
+    rows.log_chart(&SPECTRAL_EIGENVALUES, exact);
     rows.log(&SPECTRAL_TOLERANCE, &Scalars::single(spectrum.tolerance));
     rows.log(&SPECTRAL_K, &Scalars::single(spectrum.k as f64));
     rows.log(&SPECTRAL_MARGIN, &Scalars::new(spectrum.margin_decades));
@@ -75,7 +75,7 @@ pub(crate) fn log_embedding(rows: &mut Rows, frame: &Frame, classes: &Classes, s
         Embedding::Sparse { .. } => entries(&spectrum.u, SPECTRAL_U.dims),
         u => f16_matrix(rows_of(u), [n, k], SPECTRAL_U.dims),
     };
-    rows.log(&SPECTRAL_U, &exact);
+    rows.log_tensor(&SPECTRAL_U, exact, &[]);
     let wall_of = |i: usize| frame.junction.wall_of_return.get(i).copied().flatten();
     let points = (0..n).map(|i| drawn_row(&spectrum.u, i, scale));
     rows.log(&SPECTRAL_EMBEDDING, &Points3D::new(points).with_class_ids((0..n).map(|i| classes.of_wall(wall_of(i)))));

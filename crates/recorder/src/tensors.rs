@@ -2,7 +2,7 @@
 
 use crosscut_stage::Embedding;
 use rerun::external::arrow::datatypes::{ArrowPrimitiveType, Float16Type};
-use rerun::{Tensor, TensorBuffer, TensorData};
+use rerun::{TensorBuffer, TensorData};
 
 /// Half precision: 11 bits, three digits.
 type F16 = <Float16Type as ArrowPrimitiveType>::Native;
@@ -10,32 +10,32 @@ type F16 = <Float16Type as ArrowPrimitiveType>::Native;
 /// Names of the dimensions, as in the schema.
 type Dims<'a> = &'a [&'a str];
 
-pub(crate) fn f32_vector(values: Vec<f32>, dims: Dims) -> Tensor {
+pub(crate) fn f32_vector(values: Vec<f32>, dims: Dims) -> TensorData {
     tensor(&[values.len()], TensorBuffer::F32(values.into()), dims)
 }
 
-pub(crate) fn f64_vector(values: Vec<f64>, dims: Dims) -> Tensor {
+pub(crate) fn f64_vector(values: Vec<f64>, dims: Dims) -> TensorData {
     tensor(&[values.len()], TensorBuffer::F64(values.into()), dims)
 }
 
-pub(crate) fn i32_vector(values: impl Iterator<Item = i32>, dims: Dims) -> Tensor {
+pub(crate) fn i32_vector(values: impl Iterator<Item = i32>, dims: Dims) -> TensorData {
     let values: Vec<i32> = values.collect();
     tensor(&[values.len()], TensorBuffer::I32(values.into()), dims)
 }
 
-pub(crate) fn u8_vector(values: impl Iterator<Item = u8>, dims: Dims) -> Tensor {
+pub(crate) fn u8_vector(values: impl Iterator<Item = u8>, dims: Dims) -> TensorData {
     let values: Vec<u8> = values.collect();
     tensor(&[values.len()], TensorBuffer::U8(values.into()), dims)
 }
 
 /// `values` row by row, rounded to half precision.
-pub(crate) fn f16_matrix(values: impl Iterator<Item = f64>, shape: [usize; 2], dims: Dims) -> Tensor {
+pub(crate) fn f16_matrix(values: impl Iterator<Item = f64>, shape: [usize; 2], dims: Dims) -> TensorData {
     let values: Vec<F16> = values.map(F16::from_f64).collect();
     tensor(&shape, TensorBuffer::F16(values.into()), dims)
 }
 
 /// `values` row by row.
-pub(crate) fn f64_matrix(values: Vec<f64>, shape: [usize; 2], dims: Dims) -> Tensor {
+pub(crate) fn f64_matrix(values: Vec<f64>, shape: [usize; 2], dims: Dims) -> TensorData {
     tensor(&shape, TensorBuffer::F64(values.into()), dims)
 }
 
@@ -45,21 +45,21 @@ pub(crate) fn rows_of(m: &Embedding) -> impl Iterator<Item = f64> {
 }
 
 /// Row, column and value of each stored entry of `m`.
-pub(crate) fn entries(m: &Embedding, dims: Dims) -> Tensor {
+pub(crate) fn entries(m: &Embedding, dims: Dims) -> TensorData {
     let row = |i: usize| m.row(i).flat_map(move |(j, value)| [i as f64, j as f64, value]);
     let values: Vec<f64> = (0..m.nrows()).flat_map(row).collect();
     tensor(&[values.len() / 3, 3], TensorBuffer::F64(values.into()), &["entry", &format!("{}, value", dims.join(", "))])
 }
 
 /// All values of a dense matrix, or the stored entries of a sparse one.
-pub(crate) fn f64_rows(m: &Embedding, dims: Dims) -> Tensor {
+pub(crate) fn f64_rows(m: &Embedding, dims: Dims) -> TensorData {
     match m {
         Embedding::Sparse { .. } => entries(m, dims),
         dense => f64_matrix(rows_of(dense).collect(), [m.nrows(), m.ncols()], dims),
     }
 }
 
-fn tensor(shape: &[usize], buffer: TensorBuffer, dims: Dims) -> Tensor {
+fn tensor(shape: &[usize], buffer: TensorBuffer, dims: Dims) -> TensorData {
     let shape: Vec<u64> = shape.iter().map(|&size| size as u64).collect();
-    Tensor::new(TensorData::new(shape, buffer).with_dim_names(dims.iter().copied()))
+    TensorData::new(shape, buffer).with_dim_names(dims.iter().copied())
 }

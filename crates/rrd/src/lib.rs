@@ -37,7 +37,7 @@ pub mod schema;
 mod span;
 mod value;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 pub use difference::{Difference, Differences, differences};
 pub use latest::Latest;
@@ -179,6 +179,17 @@ impl Damage {
     /// Whether the file was not written to its end.
     pub fn is_cut(&self) -> bool {
         matches!(self, Self::Unfinished { .. } | Self::CutOff { .. })
+    }
+
+    /// The file that it is in.
+    pub fn path(&self) -> &Path {
+        match self {
+            Self::Unfinished { path, .. }
+            | Self::CutOff { path, .. }
+            | Self::Unreadable { path, .. }
+            | Self::PartsMissing { path, .. }
+            | Self::EndMissing { path, .. } => path,
+        }
     }
 }
 

@@ -22,8 +22,10 @@ pub struct Recording {
     damages: Vec<Damage>,
     /// Part numbers, as the parts state them.
     marks: Marks,
-    /// The one that is read, of a file that holds several.
-    chosen: Option<StoreId>,
+    /// The one that is read, if the file names any.
+    store: Option<StoreId>,
+    /// The file holds others beside it.
+    is_chosen: bool,
 }
 
 /// One file of a recording.
@@ -113,7 +115,8 @@ impl Recording {
             entities: BTreeMap::new(),
             damages: Vec::new(),
             marks: Marks::default(),
-            chosen: store.filter(|_| recordings.len() > 1).cloned(),
+            store: store.cloned(),
+            is_chosen: recordings.len() > 1,
         };
         recording.read_part(path, Messages::open(path)?);
         for part in files_named_like_parts(path) {
@@ -133,6 +136,11 @@ impl Recording {
         Ok(recording)
     }
 
+    /// What a viewer knows it by; `None` if the file does not begin with that.
+    pub fn id(&self) -> Option<&str> {
+        self.store.as_ref().map(|store| store.recording_id().as_str())
+    }
+
     fn read_part(&mut self, path: &Path, messages: Messages) {
         let (version, bytes) = (messages.version(), messages.bytes());
         self.parts.push(Part { path: path.to_owned(), version, bytes });
@@ -140,7 +148,7 @@ impl Recording {
             match message {
                 Ok((location, LogMsg::ArrowMsg(store, message)))
                     if store.kind() == StoreKind::Recording
-                        && self.chosen.as_ref().is_none_or(|chosen| *chosen == store) =>
+                        && (!self.is_chosen || self.store.as_ref() == Some(&store)) =>
                 {
                     match chunk_of(&message) {
                         Ok(chunk) => self.note(location, &chunk),

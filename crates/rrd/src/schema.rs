@@ -99,6 +99,32 @@ impl Entity {
     }
 }
 
+/// Where two recordings stand that are shown side by side. They are no layers.
+pub const SIDES: [&str; 2] = ["left", "right"];
+
+/// Whether entities of a layer may stand below this name: letters, digits, `_` and `-`, and neither the beginning of an entity of
+/// ours nor of one of Rerun's (`__properties`).
+pub fn is_layer_name(name: &str) -> bool {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    let is_taken = name.starts_with("__") || SIDES.contains(&name) || is_area(name);
+    !name.is_empty() && name.chars().all(is_plain) && !is_taken
+}
+
+/// The layer that a path belongs to: its first part, where an entity of ours follows it. Empty where the path begins with an entity
+/// of ours; `None` of all other paths.
+pub fn layer_of(path: &str) -> Option<&str> {
+    let mut parts = path.strip_prefix('/')?.splitn(3, '/');
+    let first = parts.next()?;
+    if is_area(first) {
+        return Some("");
+    }
+    parts.next().filter(|second| is_area(second) && is_layer_name(first)).map(|_| first)
+}
+
+fn is_area(part: &str) -> bool {
+    ENTITIES.iter().any(|entity| entity.area() == part)
+}
+
 /// All entities as a table in Markdown, for readers of a recording.
 pub fn markdown_table() -> String {
     let mut table = "| entity | holds | unit | precision | written |\n|---|---|---|---|---|\n".to_owned();
@@ -248,6 +274,8 @@ entities! {
     FLIGHT_HERE: "/flight/here", "StateChange:state", [], "", Exact, Event,
         "kind of the place by the steady answer, at each revolution where it is known";
     FLIGHT_PATH: "/flight/path", LINES_2D, ["point", "axis"], "m", Drawing, Change, "the way so far, corrected";
+    FLIGHT_UNSURE: "/flight/unsure", "Points2D:positions", ["point", "axis"], "m", Drawing, Change,
+        "places of the way where the answer was unsure (`/report/doubt`), corrected; only where there are any";
     FLIGHT_WALLS: "/flight/walls", "Points2D:positions", ["point", "axis"], "m", Drawing, Change,
         "walls so far, a point for each square of 0.2 m, corrected; drawn again when many are new";
     FLIGHT_WALLS_NEW: "/flight/walls/new", "Points2D:positions", ["point", "axis"], "m", Drawing, Change,
@@ -287,6 +315,22 @@ pub const TIMING: [Entity; 5] = [TIMING_INGEST, TIMING_AFFINITY, TIMING_SPECTRAL
 mod tests {
     use super::*;
     use std::collections::BTreeSet;
+
+    #[test]
+    fn a_layer_is_what_stands_before_an_entity() {
+        assert_eq!(layer_of("/report/junctions"), Some(""));
+        assert_eq!(layer_of("/mine/report/junctions"), Some("mine"));
+        for other in [
+            "/mcap/points",
+            "/left/report/junctions",
+            "/__properties/recording",
+            "/mine/else/report",
+            "/mine",
+            "mine/report",
+        ] {
+            assert_eq!(layer_of(other), None, "{other}");
+        }
+    }
 
     #[test]
     fn every_path_is_there_once_and_found_by_its_name() {

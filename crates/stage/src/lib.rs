@@ -32,6 +32,7 @@ mod revolution;
 mod spectrum;
 mod storage;
 mod traits;
+mod unsure;
 
 pub use affinity::{Affinity, Csr, Measured, Verdict, Weights};
 pub use disjoint_sets::DisjointSets;
@@ -52,6 +53,7 @@ pub use revolution::{Beam, Fan, Revolution, Sweep, View, is_finite_pose, unit, w
 pub use spectrum::Spectrum;
 pub use storage::Storage;
 pub use traits::{AffinityStage, KmeansStage, Observer, ObserverError, Source, SourceError, SpectralStage, StageError};
+pub use unsure::Unsure;
 
 /// Points are in R³ (metres); a 2D lidar has z = 0.
 pub type Point = nalgebra::Point3<f64>;

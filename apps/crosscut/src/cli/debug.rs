@@ -16,6 +16,9 @@ pub(crate) struct DebugArgs {
     pub(crate) input: InputArgs,
     #[command(flatten)]
     pub(crate) config: ConfigArgs,
+    /// Begin at this revolution, as `seek N` does.
+    #[arg(long, value_name = "N")]
+    pub(crate) at: Option<u64>,
     /// Take and give JSON-RPC 2.0, an object a line, in place of words: the method is the command, its params are the words
     /// after it.
     #[arg(long)]

@@ -46,6 +46,22 @@ pub(crate) struct InputArgs {
 }
 
 impl InputArgs {
+    /// The options that select these scans, for a command to be typed.
+    pub(crate) fn options(&self) -> Vec<String> {
+        let mut options: Vec<String> =
+            self.topic.iter().flat_map(|topic| ["--topic".to_owned(), topic.clone()]).collect();
+        let of_type = self.recordings.read_as.map(|of| ["--as".to_owned(), of.name().to_owned()]);
+        options.extend(of_type.into_iter().flatten());
+        for (name, value) in [("--from", self.from), ("--to", self.to)] {
+            options.extend(value.into_iter().flat_map(|value| [name.to_owned(), value.to_string()]));
+        }
+        options.extend(self.join.then(|| "--join".to_owned()));
+        if self.every > NonZeroU64::MIN {
+            options.extend(["--every".to_owned(), self.every.to_string()]);
+        }
+        options
+    }
+
     /// Which scans are read, and how.
     pub(crate) fn read_options(&self, config: &Config) -> ReadOptions {
         ReadOptions {

@@ -134,7 +134,7 @@ impl Command {
 pub(crate) struct RunArgs {
     /// Write one JSON object per scan; `-` is standard output. FILE.mcap has the scans beside them, and drawings for
     /// Foxglove.
-    #[arg(short = 'o', long, value_name = "FILE.jsonl|FILE.mcap")]
+    #[arg(short = 'o', long, value_name = "FILE.jsonl|FILE.mcap", value_parser = PathBufValueParser::new().try_map(results_path))]
     pub(crate) results: Option<PathBuf>,
     /// Write the map of the flight: junctions, dead ends and the passages between them.
     #[arg(long, value_name = "FLIGHT.json", value_parser = PathBufValueParser::new().try_map(map_path))]
@@ -310,7 +310,7 @@ pub(crate) struct EvaluateArgs {
     /// Single setting that overrides every configuration. May be repeated.
     #[arg(long, value_name = "SECTION.KEY=VALUE")]
     pub(crate) set: Vec<String>,
-    /// Show tables of counts, labels, openings and confidence as well.
+    /// Show tables of counts, labels, openings and confidence as well, and a command for each revolution that is mended or broken.
     #[arg(long)]
     pub(crate) details: bool,
     /// Write all figures as JSON; `-` is standard output.
@@ -353,7 +353,8 @@ pub(crate) struct CompareArgs {
     /// Write the comparison of --golden as JUnit XML, a test for each revolution.
     #[arg(long, value_name = "FILE.xml", requires = "golden")]
     pub(crate) junit: Option<PathBuf>,
-    /// List every stretch of the flight where the walls differ, not only the longest ones.
+    /// List every stretch of the flight where the walls differ, not only the longest ones, and a command for each revolution that
+    /// is mended or broken.
     #[arg(long)]
     pub(crate) all: bool,
     /// Write all figures and stretches as JSON; `-` is standard output.
@@ -404,6 +405,20 @@ fn mcap_path(path: PathBuf) -> Result<PathBuf, &'static str> {
         return Err("the output is an MCAP recording, not one for the Rerun viewer: FLIGHT.mcap");
     }
     Ok(path)
+}
+
+/// Endings of other files, each with what makes one.
+const NO_RESULTS: [(&[&str], &str); 4] = [
+    (&["rrd"], "results are JSON lines or an MCAP; a recording for the viewer is --save FLIGHT.rrd"),
+    (&["svg", "geojson", "graphml", "g2o"], "results are JSON lines or an MCAP; a map is --map FLIGHT.svg"),
+    (&["html"], "results are JSON lines or an MCAP; a page is made by `crosscut report`"),
+    (&["csv", "npy", "bag", "db3"], "results are JSON lines, an object a scan, or an MCAP: FILE.jsonl, FILE.mcap"),
+];
+
+/// Refuses the endings of other files, which would say something else than what is in the file.
+fn results_path(path: PathBuf) -> Result<PathBuf, &'static str> {
+    let refusal = NO_RESULTS.iter().find(|(endings, _)| endings.iter().any(|ending| has_extension(&path, ending)));
+    refusal.map_or(Ok(path), |(_, why)| Err(why))
 }
 
 fn has_extension(path: &Path, wanted: &str) -> bool {

@@ -1,11 +1,12 @@
 //! `crosscut info`: the contents of a recording, and how ingest reads its first scan.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
 
 use crosscut_detector::Registry;
 use crosscut_evaluate::tables::Table;
 use crosscut_ingest::{
-    CsvGeometry, Description, Parts, ReadOptions, ScanDescription, TopicDescription, describe, parts_in,
+    CsvGeometry, Description, Parts, ReadOptions, ScanDescription, TopicDescription, TopicInfo, describe, parts_in,
 };
 use crosscut_outfile::Keep;
 use crosscut_sensor::Sensor;
@@ -39,12 +40,14 @@ pub(crate) fn info(args: &InfoArgs, registry: &Registry) -> anyhow::Result<Outco
         args.json.as_ref().map(|path| Document::create(path, &args.recordings.input, Keep::ThroughKill)).transpose()?;
     let (mut diagnostics, mut described) = (Diagnostics::default(), Vec::new());
     let Parts { files, missing } = parts_in(&args.recordings.input)?;
+    let mut alike = Alike::default();
     let (mut scan_topics, mut unknown_topics) = (BTreeMap::new(), BTreeSet::new());
     for part in &files {
         match describe(part, &sensor, &options) {
             Ok(description) => {
-                if json.is_none() {
-                    show(format!("{}{}", if described.is_empty() { "" } else { "\n" }, text(&description)))?;
+                if json.is_none() && !alike.takes(&description) {
+                    let before = if described.is_empty() { "" } else { "\n" };
+                    show(format!("{}{before}{}", alike.told(), text(&description)))?;
                 }
                 diagnostics.lost_all(&description.losses);
                 for topic in description.topics.iter().filter(|topic| topic.first_scan.is_some()) {
@@ -69,11 +72,14 @@ pub(crate) fn info(args: &InfoArgs, registry: &Registry) -> anyhow::Result<Outco
             "{}\n",
             json!({"recordings": described, "next": next, "problems": diagnostics.problems()})
         ))?;
-    } else if let Some(line) = next {
-        show(format!("\nnext: {line}\n"))?;
-    } else if !unknown_topics.is_empty() && args.recordings.read_as.is_none() {
-        let names = unknown_topics.into_iter().collect::<Vec<_>>().join(", ");
-        show(format!("\nno schema states the type of {names}; for laser scans add: --as LaserScan\n"))?;
+    } else {
+        show(alike.told())?;
+        if let Some(line) = next {
+            show(format!("\nnext: {line}\n"))?;
+        } else if !unknown_topics.is_empty() && args.recordings.read_as.is_none() {
+            let names = unknown_topics.into_iter().collect::<Vec<_>>().join(", ");
+            show(format!("\nno schema states the type of {names}; for laser scans add: --as LaserScan\n"))?;
+        }
     }
     Ok(if is_described { diagnostics.outcome() } else { Outcome::Failed })
 }
@@ -107,6 +113,40 @@ fn run_line(args: &InfoArgs, scan_topics: &BTreeMap<String, u64>) -> Option<Stri
         if word.chars().all(is_plain) { word } else { format!("'{}'", word.replace('\'', "'\\''")) }
     };
     Some(words.into_iter().map(quoted).collect::<Vec<_>>().join(" "))
+}
+
+/// Single clouds or scans after one like them: a folder of them would fill pages.
+#[derive(Default)]
+struct Alike {
+    /// Format and topics of the last file, if it holds a message each.
+    kind: Option<(&'static str, Vec<TopicInfo>)>,
+    more: u64,
+    last: PathBuf,
+}
+
+impl Alike {
+    /// Whether the file is like the one before, so that it is only counted.
+    fn takes(&mut self, file: &Description) -> bool {
+        let topics: Vec<_> = file.topics.iter().map(|topic| topic.info.clone()).collect();
+        let is_single = file.losses.is_empty() && topics.iter().all(|info| info.messages == Some(1));
+        let kind = is_single.then_some((file.format, topics));
+        let is_alike = kind.is_some() && kind == self.kind;
+        if is_alike {
+            self.more += 1;
+            self.last.clone_from(&file.path);
+        } else {
+            self.kind = kind;
+        }
+        is_alike
+    }
+
+    /// How many were counted since this was told.
+    fn told(&mut self) -> String {
+        match std::mem::take(&mut self.more) {
+            0 => String::new(),
+            more => format!("\n{} more like it, to {}\n", counted(more, "file"), self.last.display()),
+        }
+    }
 }
 
 /// What [`text`] says, in units that its names state.
@@ -188,13 +228,16 @@ fn first_scan(topic: &str, scan: &ScanDescription) -> String {
     let [view_deg, step_deg] = [scan.field_of_view_rad, scan.step_rad].map(f64::to_degrees);
     let view =
         if view_deg > 0.0 { format!("view {view_deg:.1}°{around}, {step_deg:.3}° a beam") } else { "no view".into() };
-    let mut text = format!(
-        "first scan of {topic}, frame {:?}: {}, {}\n  {view}, range {range_min_m} m to {range_max}, {:.0} % of beams without a return",
-        scan.frame_id,
-        counted(scan.beams as u64, "beam"),
-        counted(scan.returns as u64, "return"),
-        100.0 * scan.missing,
-    );
+    let returns = counted(scan.returns as u64, "return");
+    let mut text = format!("first scan of {topic}, frame {:?}: ", scan.frame_id);
+    text += &match scan.beams {
+        0 => format!("{returns} without beams, so nothing is known where there are none"),
+        beams => format!(
+            "{}, {returns}\n  {view}, range {range_min_m} m to {range_max}, {:.0} % of beams without a return",
+            counted(beams as u64, "beam"),
+            100.0 * scan.missing,
+        ),
+    };
     for note in &scan.notes {
         text += &format!("\n  {note}");
     }

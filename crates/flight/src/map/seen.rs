@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crosscut_stage::{Frame, Point};
+use crosscut_stage::{Frame, Point, Unsure};
 use nalgebra::{Isometry2, Point2};
 
 use super::{Anchored, Mapper};
@@ -21,6 +21,8 @@ const WALLS_WITHIN_M: f64 = 12.0;
 #[derive(Clone, Debug, Default)]
 pub struct Seen {
     path: Vec<Anchored>,
+    unsure: Unsure,
+    unsure_at: Vec<usize>,
     way_m: f64,
     walls: Vec<Anchored>,
     cells: BTreeSet<[i64; 2]>,
@@ -30,6 +32,7 @@ pub struct Seen {
 impl Seen {
     /// Takes the next frame, after `mapper` took it. A frame without a pose is passed over.
     pub fn add(&mut self, frame: &Frame, mapper: &Mapper) {
+        let is_unsure = self.unsure.after(frame.junction.confidence);
         let Some(pose) = FlightAnswer::of(frame).pose else { return };
         let here = mapper.anchored(pose);
         let placed_m = |anchored: &Anchored| Point2::from(mapper.placed(anchored).translation.vector);
@@ -38,6 +41,10 @@ impl Seen {
         if since_last_m.is_none_or(|since_last_m| since_last_m > PATH_M) {
             self.path.push(here);
             self.way_m += since_last_m.unwrap_or(0.0);
+        }
+        let last = self.path.len() - 1;
+        if is_unsure && self.unsure_at.last() != Some(&last) {
+            self.unsure_at.push(last);
         }
         if self.walls_from.is_some_and(|from| (from - at_m).norm() <= WALLS_EVERY_M) {
             return;
@@ -56,6 +63,11 @@ impl Seen {
     /// Places of the vehicle, half a metre apart.
     pub fn path(&self) -> &[Anchored] {
         &self.path
+    }
+
+    /// Which places of the path the vehicle left with an answer that was unsure, ascending.
+    pub fn unsure_at(&self) -> &[usize] {
+        &self.unsure_at
     }
 
     /// Length of the path, metres.

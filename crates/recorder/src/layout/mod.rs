@@ -107,7 +107,7 @@ impl Extent {
     pub(crate) fn log(self, rec: &RecordingStream) -> RecordingStreamResult<()> {
         let [by_gaps, has_truth] = [self.by_gaps, self.has_truth].map(|is_so| f64::from(u8::from(is_so)));
         let values = vec![self.range_m, self.places as f64, by_gaps, has_truth];
-        rec.log_static(EXTENT.path, &f64_vector(values, EXTENT.dims))
+        rec.log_static(EXTENT.path, &Tensor::new(f64_vector(values, EXTENT.dims)))
     }
 
     /// Reads the extent that was recorded.
@@ -130,8 +130,8 @@ impl Extent {
 
 /// What a layout shows. Its pages are tabs. `first` opens, or else the page that only this layout has.
 pub(crate) enum Shown<'a> {
-    /// A flight.
-    Flight { first: Layout, extent: Extent },
+    /// A flight, whose entities may stand below another one.
+    Flight { first: Layout, extent: Extent, below: Option<&'a str> },
     /// Two flights.
     Beside { first: Option<Layout>, sides: [Side<'a>; 2] },
     /// A mission through a mine in a rectangle between these corners, and its flight.
@@ -154,8 +154,9 @@ pub(crate) struct Side<'a> {
 /// Sends the layout with the recording and makes it the active one. The viewer opens the first tab.
 pub(crate) fn send(rec: &RecordingStream, shown: &Shown) -> RecordingStreamResult<()> {
     let (tabs, properties) = match shown {
-        Shown::Flight { first, extent } => {
-            let mut views = Views::new(*extent);
+        Shown::Flight { first, extent, below } => {
+            let side = below.map(|below| Side { below, name: below, extent: *extent });
+            let mut views = side.as_ref().map_or_else(|| Views::new(*extent), Views::of);
             let tabs = Layout::all_from(Some(*first)).map(|page| page.page(&mut views)).collect();
             (tabs, views.into_properties())
         }

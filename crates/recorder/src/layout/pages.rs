@@ -11,7 +11,8 @@ pub(super) fn overview(views: &mut Views) -> ContainerLike {
     let words = Tabs::new([views.why("Why this count?"), views.answer(), views.config(), views.about()]);
     let here = Vertical::new([views.scan("Here: x up, y left"), words.into()]).with_row_shares([1.15, 1.0]);
     let sure = Tabs::new([views.confidence(), views.margin()]);
-    let flight = Vertical::new([views.walls(), views.places(), sure.into(), looks(views).into()]);
+    let counts = Tabs::new([views.walls(), views.zeros()]);
+    let flight = Vertical::new([counts.into(), views.places(), sure.into(), looks(views).into()]);
     let flight = flight.with_row_shares([1.15, 1.0, 0.75, 1.3]);
     let page = Horizontal::new([here.into(), flight.into()]).with_column_shares([0.72, 1.0]);
     page.with_name("Overview: the flight").into()

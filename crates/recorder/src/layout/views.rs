@@ -22,12 +22,12 @@ use crate::scan::step_m;
 use crate::schema::{
     ABOUT, AFFINITY_ABSENT, AFFINITY_GAPS, AFFINITY_GAPS_AXIS, AFFINITY_LINKS, AFFINITY_MARKS, AFFINITY_SCALE, CONFIG,
     Entity, FLIGHT_GRAPH, FLIGHT_HERE, FLIGHT_NODES, FLIGHT_PASSAGES, FLIGHT_PATH, FLIGHT_POSE, FLIGHT_SCALE,
-    FLIGHT_SUMMARY, FLIGHT_WALLS, FLIGHT_WALLS_NEW, KMEANS_BLOCKS, KMEANS_CENTROIDS, KMEANS_LABELS, KMEANS_PROFILE,
-    KMEANS_PROFILE_AXES, KMEANS_PROFILE_NAMES, LOG, REPORT_AXIS, REPORT_CONFIDENCE, REPORT_DOUBT, REPORT_JUNCTIONS,
-    REPORT_PLACE, REPORT_SUMMARY, REPORT_WHY, SCAN_COUNT, SCAN_LINKS, SCAN_LINKS_EDGES, SCAN_OPENINGS, SCAN_RETURNS,
-    SCAN_RINGS, SCAN_SENSOR, SCAN_WALLS, SPECTRAL_AXES, SPECTRAL_CHART, SPECTRAL_CHART_AXIS, SPECTRAL_EMBEDDING,
-    SPECTRAL_K, SPECTRAL_MARGIN, SPECTRAL_U_BARS, SPECTRAL_U_PICTURE, TIMING, TIMING_FLIGHT, TIMING_SUMMARY,
-    TIMING_TOTAL, TRUTH_WALLS,
+    FLIGHT_SUMMARY, FLIGHT_UNSURE, FLIGHT_WALLS, FLIGHT_WALLS_NEW, KMEANS_BLOCKS, KMEANS_CENTROIDS, KMEANS_LABELS,
+    KMEANS_PROFILE, KMEANS_PROFILE_AXES, KMEANS_PROFILE_NAMES, LOG, REPORT_AXIS, REPORT_CONFIDENCE, REPORT_DOUBT,
+    REPORT_JUNCTIONS, REPORT_PLACE, REPORT_SUMMARY, REPORT_WHY, SCAN_COUNT, SCAN_LINKS, SCAN_LINKS_EDGES,
+    SCAN_OPENINGS, SCAN_RETURNS, SCAN_RINGS, SCAN_SENSOR, SCAN_WALLS, SPECTRAL_AXES, SPECTRAL_CHART,
+    SPECTRAL_CHART_AXIS, SPECTRAL_EMBEDDING, SPECTRAL_K, SPECTRAL_MARGIN, SPECTRAL_U_BARS, SPECTRAL_U_PICTURE, TIMING,
+    TIMING_FLIGHT, TIMING_SUMMARY, TIMING_TOTAL, TRUTH_WALLS,
 };
 use crate::spectrum::chart_bounds;
 use crate::why::UNSURE;
@@ -255,11 +255,17 @@ impl Views {
         self.properties.with(view, "TextLogColumns", TextLogColumns::new().with_text_log_columns(columns))
     }
 
-    /// The walls that were counted, with k and the truth where the flight has one.
+    /// The walls that were counted, with the truth where the flight has one.
     pub(super) fn walls(&mut self) -> ContainerLike {
-        let contents = self.entities([REPORT_JUNCTIONS, SPECTRAL_K, TRUTH_WALLS, REPORT_AXIS]);
+        let contents = self.entities([REPORT_JUNCTIONS, TRUTH_WALLS, REPORT_AXIS]);
         let truth = if self.has_truth() { ", truth green" } else { "" };
-        self.lines(&format!("Walls counted: orange, k blue{truth}"), contents, None)
+        self.lines(&format!("Walls counted: orange{truth}"), contents, None)
+    }
+
+    /// k, which also counts what is too small to be a wall: in a cluttered place many times the walls.
+    pub(super) fn zeros(&mut self) -> ContainerLike {
+        let contents = self.entities([REPORT_JUNCTIONS, SPECTRAL_K, REPORT_AXIS]);
+        self.lines("k: blue, walls orange", contents, None)
     }
 
     pub(super) fn margin(&mut self) -> ContainerLike {
@@ -285,12 +291,13 @@ impl Views {
             FLIGHT_WALLS,
             FLIGHT_WALLS_NEW,
             FLIGHT_PATH,
+            FLIGHT_UNSURE,
             FLIGHT_PASSAGES,
             FLIGHT_NODES,
             FLIGHT_SCALE,
             FLIGHT_POSE,
         ]);
-        let view = Spatial2DView::new(self.titled("Map so far: pink ways are not taken, violet is the vehicle"));
+        let view = Spatial2DView::new(self.titled("Map so far: vehicle violet, ways not taken pink, unsure yellow"));
         view.with_origin(self.origin()).with_contents(contents).into()
     }
 

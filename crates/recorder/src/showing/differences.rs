@@ -34,10 +34,12 @@ struct Stretch {
     stamp_ns: i64,
     walls: [f64; 2],
     truth: Option<f64>,
+    /// The first stage that made something else, and of what.
+    from: [&'static str; 2],
 }
 
 impl Stretch {
-    /// "95 to 99: paper 4 walls, default 3; truth 3, paper is wrong".
+    /// "95 to 99: paper 4 walls, default 3; truth 3: paper is wrong; from W on".
     fn words(&self, [a, b]: &[String; 2]) -> String {
         let [of_a, of_b] = self.walls;
         let span = if self.first == self.last {
@@ -51,7 +53,8 @@ impl Stretch {
             _ => "both are wrong".to_owned(),
         };
         let truth = self.truth.map_or_else(String::new, |truth| format!("; truth {truth}: {}", wrong(truth)));
-        format!("{span}: {a} {of_a} walls, {b} {of_b}{truth}")
+        let [_, from] = self.from;
+        format!("{span}: {a} {of_a} walls, {b} {of_b}{truth}; from {from} on")
     }
 }
 
@@ -115,6 +118,36 @@ fn truth_at(facts: [&Facts; 2], seq: i64) -> Option<f64> {
     facts.iter().find_map(|of| of.truth.range(..=seq).next_back().map(|(_, truth)| *truth))
 }
 
+/// The first stage that made something else of a revolution, and of what.
+fn part_at([a, b]: [&Facts; 2], seq: i64) -> [&'static str; 2] {
+    let [a, b] = [a, b].map(|of| of.made.get(&seq).copied().unwrap_or_default());
+    a.parts_from(&b)
+}
+
+/// "They part at affinity (W) in 40, at report (walls) in 16; k is another one in 40." The stages come in the order in which
+/// they run.
+fn parting(facts: [&Facts; 2], differing: &[i64]) -> String {
+    let [a, b] = facts;
+    let mut stages: Vec<([&str; 2], usize)> =
+        ["ingest", "affinity", "spectral", "kmeans", "report"].map(|stage| ([stage, ""], 0)).to_vec();
+    for seq in differing {
+        let from = part_at(facts, *seq);
+        if let Some((stage, times)) = stages.iter_mut().find(|(stage, _)| stage[0] == from[0]) {
+            (*stage, *times) = (from, *times + 1);
+        }
+    }
+    let several = |times: usize| if times == differing.len() { "all".to_owned() } else { times.to_string() };
+    let named: Vec<String> = stages
+        .iter()
+        .filter(|(_, times)| *times > 0)
+        .map(|([stage, of], times)| format!("at **{stage}** ({of}) in {}", several(*times)))
+        .collect();
+    let made_of = |of: &Facts, seq: &i64| of.made.get(seq).copied().unwrap_or_default();
+    let other_k = differing.iter().filter(|seq| !made_of(a, seq).has_k_of(&made_of(b, seq))).count();
+    let k = if other_k == 0 { "the same".to_owned() } else { format!("another one in {}", several(other_k)) };
+    format!("They part {}; k is {k}.", named.join(", "))
+}
+
 /// Where the counts differ, and how many revolutions both flights have.
 fn stretches(facts: [&Facts; 2]) -> (Vec<Stretch>, usize) {
     let [a, b] = facts;
@@ -126,10 +159,11 @@ fn stretches(facts: [&Facts; 2]) -> (Vec<Stretch>, usize) {
         if of_a == of_b {
             continue;
         }
-        let (walls, truth) = ([of_a, of_b], truth_at(facts, seq));
+        let (walls, truth, from) = ([of_a, of_b], truth_at(facts, seq), part_at(facts, seq));
+        let is_alike = |last: &Stretch| last.walls == walls && last.truth == truth && last.from == from;
         match stretches.last_mut() {
-            Some(last) if last.last == previous && last.walls == walls && last.truth == truth => last.last = seq,
-            _ => stretches.push(Stretch { first: seq, last: seq, stamp_ns, walls, truth }),
+            Some(last) if last.last == previous && is_alike(last) => last.last = seq,
+            _ => stretches.push(Stretch { first: seq, last: seq, stamp_ns, walls, truth, from }),
         }
     }
     (stretches, common)
@@ -157,6 +191,9 @@ fn summary(
         let [of_a, of_b] = facts.map(right_of);
         let _ = write!(text, " There {a} is right in {of_a}, {b} in {of_b}.");
     }
+    if !differing.is_empty() {
+        let _ = write!(text, " {}", parting(facts, &differing));
+    }
     let _ = write!(text, " Left: {left}.rrd, right: {right}.rrd.");
     let settings = settings_that_differ(facts.map(|of| of.config_toml.as_str()));
     if !settings.is_empty() {
@@ -180,15 +217,18 @@ fn settings_that_differ(configs: [&str; 2]) -> Vec<String> {
         .collect()
 }
 
-/// Names with their sections, and values, of a configuration with a setting a line.
+/// Names with their sections, and values, of a configuration with a setting a line. A setting that follows another one stands
+/// in a comment, with the value that it has.
 fn settings(toml: &str) -> Vec<(String, String)> {
     let mut section = "";
     let mut settings = Vec::new();
     for line in toml.lines().map(|line| line.split(" #").next().unwrap_or_default().trim()) {
         if let Some(name) = line.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')) {
             section = name;
-        } else if let Some((key, value)) = line.split_once(" = ").filter(|_| !line.starts_with('#')) {
-            settings.push((format!("{section}.{}", key.trim()), value.trim().to_owned()));
+        } else if let Some((key, value)) = line.strip_prefix("# ").unwrap_or(line).split_once(" = ")
+            && key.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
+        {
+            settings.push((format!("{section}.{key}"), value.trim().to_owned()));
         }
     }
     settings
@@ -218,15 +258,18 @@ mod tests {
         assert_eq!(titles(&files, [&a, &b]), ["6", "5"], "presets");
         assert_eq!(titles(&files, [&a, &a]), files);
         let words: Vec<String> = stretches.iter().map(|stretch| stretch.words(&files)).collect();
-        assert_eq!(words, ["2 to 3: a 4 walls, b 3; truth 3: a is wrong"]);
+        assert_eq!(words, ["2 to 3: a 4 walls, b 3; truth 3: a is wrong; from walls on"]);
         let text = summary(&files, &files, [&a, &b], &stretches, common);
-        assert!(text.starts_with("**a and b differ in 2 of 5 revolutions.** There a is right in 0, b in 2."), "{text}");
+        let expected = "**a and b differ in 2 of 5 revolutions.** There a is right in 0, b in 2. They part at **report** (walls) in \
+                        all; k is the same.";
+        assert!(text.starts_with(expected), "{text}");
     }
 
     #[test]
     fn settings_with_other_values_are_named_with_both() {
-        let a = "# crosscut\n[affinity]\nkind = \"rbf\" # or\nsigma = 1\n[report]\nmin = 2\n";
-        let b = "[affinity]\nkind = \"passage\"\n[report]\nmin = 2\n";
-        assert_eq!(settings_that_differ([a, b]), ["`affinity.kind` \"rbf\" | \"passage\""]);
+        let a = "# crosscut\n[affinity]\nkind = \"rbf\" # or\nsigma = 1\n# passage_m = 0.6  # follows vehicle.width_m\n[report]\nmin = 2\n";
+        let b = "[affinity]\n# at most 2 = few\nkind = \"passage\"\npassage_m = 1.2  # --set\n[report]\nmin = 2\n";
+        let expected = ["`affinity.kind` \"rbf\" | \"passage\"", "`affinity.passage_m` 0.6 | 1.2"];
+        assert_eq!(settings_that_differ([a, b]), expected);
     }
 }

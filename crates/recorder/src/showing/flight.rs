@@ -3,14 +3,15 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crosscut_rrd::ReadError;
-use crosscut_rrd::messages::{Messages, chunk_of};
+use crosscut_rrd::messages::{ENTITY_PATH, Messages, chunk_of};
 use crosscut_rrd::parts::{Marks, files_named_like_parts};
+use crosscut_rrd::{Damage, ReadError, Recording};
 use rerun::external::re_log_types::{ArrowMsg, EntityPath, StoreId};
 use rerun::log::{Chunk, LogMsg};
 use rerun::{CoordinateFrame, Scalars, StoreKind, TextDocument, Transform3D, components};
 
 use super::ShowError;
+use super::made::{self, Made};
 use crate::below::moved;
 use crate::layout::Extent;
 use crate::schema;
@@ -35,8 +36,12 @@ pub(super) struct Facts {
     pub(super) walls: BTreeMap<i64, f64>,
     pub(super) confidence: BTreeMap<i64, f64>,
     pub(super) truth: BTreeMap<i64, f64>,
+    /// What the stages before the report made, by revolution; only of flights that are shown side by side.
+    pub(super) made: BTreeMap<i64, Made>,
     /// What its parts say of themselves.
     pub(super) marks: Marks,
+    /// It is a layer: its own pages are for the places where its entities stand in the file.
+    pub(super) is_layer: bool,
 }
 
 /// Under which name, and where in the tree of entities, a flight is shown.
@@ -86,8 +91,10 @@ impl Flight {
     ) -> Result<Vec<String>, ShowError> {
         let mut damages = Vec::new();
         for path in &self.parts {
-            for message in Messages::open(path)? {
-                let message = message.map_err(|damage| damage.to_string());
+            let mut messages = Messages::open(path)?;
+            while let Some(message) = messages.next() {
+                facts.is_layer = messages.is_layer();
+                let message = message.map_err(|damage| self.in_words(&damage));
                 match message.and_then(|(_, message)| destination.put(message, facts)) {
                     Ok(Some(message)) => {
                         if !take(message) {
@@ -104,17 +111,27 @@ impl Flight {
     }
 }
 
+impl Flight {
+    /// A damage in words. How far a file that was cut off is whole, only all of its entities together tell.
+    fn in_words(&self, damage: &Damage) -> String {
+        let whole = damage.is_cut().then(|| Recording::open(&self.parts[0]).ok()).flatten();
+        let is_it = |known: &&Damage| known.is_cut() && known.path() == damage.path();
+        whole.as_ref().and_then(|of| of.damages().iter().find(is_it)).unwrap_or(damage).to_string()
+    }
+}
+
 impl Destination {
     /// The message as it is shown; nothing if it is not.
     fn put(&self, mut message: LogMsg, facts: &mut Facts) -> Result<Option<LogMsg>, String> {
         if message.store_id().kind() == StoreKind::Blueprint {
-            return Ok(self.own_layout.then_some(message));
+            return Ok((self.own_layout && !facts.is_layer).then_some(message));
         }
         message.set_store_id(self.store.clone());
         let LogMsg::ArrowMsg(_, arrow) = &message else { return Ok(Some(message)) };
         let entity = entity_of(arrow);
         facts.learn(&entity, arrow)?;
         let Some(below) = &self.below else { return Ok(Some(message)) };
+        made::learn(&mut facts.made, &entity, &chunk_of(arrow)?);
         Ok(Some(LogMsg::ArrowMsg(self.store.clone(), moved(arrow, below)?)))
     }
 }
@@ -169,7 +186,7 @@ impl Facts {
 }
 
 /// The number at each revolution, where there is one.
-fn numbers(chunk: &Chunk) -> Vec<(i64, f64)> {
+pub(super) fn numbers(chunk: &Chunk) -> Vec<(i64, f64)> {
     let revolutions = chunk.timelines().get(&"revolution".into()).map_or(&[][..], |column| column.times_raw());
     let number = |row: usize| {
         let scalars = chunk.component_batch::<components::Scalar>(Scalars::descriptor_scalars().component, row);
@@ -180,7 +197,7 @@ fn numbers(chunk: &Chunk) -> Vec<(i64, f64)> {
 
 /// The entity that a message is about; empty if it does not say.
 pub(super) fn entity_of(arrow: &ArrowMsg) -> String {
-    arrow.batch.schema_ref().metadata().get("rerun:entity_path").cloned().unwrap_or_default()
+    arrow.batch.schema_ref().metadata().get(ENTITY_PATH).cloned().unwrap_or_default()
 }
 
 /// The first value of a component, where there is one.

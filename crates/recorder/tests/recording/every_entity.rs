@@ -26,9 +26,10 @@ const COLOURS: [&str; 3] = ["blue", "orange", "green"];
 const TRUTH: usize = 3;
 const TRUTH_JSON: &str = r#"{"walls":3}"#;
 
-/// A flight with everything that can be recorded: an empty revolution, notes, a sparse W.
+/// A flight with everything that can be recorded: an answer that is unsure, an empty revolution, notes, a sparse W.
 fn flight() -> Vec<Frame> {
     let mut frames: Vec<Frame> = (0..6).map(frames::frame).collect();
+    frames[1].junction.confidence = Some(0.2);
     frames[2] = frames::empty_frame(2);
     frames[3].notes.add("3 beams masked");
     frames::make_sparse(&mut frames[4].affinity);

@@ -37,6 +37,7 @@ pub(crate) fn comparison<'a>(entity: &'a str, component: &'a str, frames: &[Fram
     };
     let maps: Vec<Map> = frames.iter().map(added).collect();
     let first = frames[0].revolution.seq;
+    let confidences: Vec<Option<f64>> = frames.iter().map(|frame| frame.junction.confidence).collect();
     let map_at = move |frame: &Frame| maps[(frame.revolution.seq - first) as usize].clone();
     Some(match (entity, component) {
         ("/flight/pose", "Tensor:data") => Box::new(|value, frame| {
@@ -63,6 +64,14 @@ pub(crate) fn comparison<'a>(entity: &'a str, component: &'a str, frames: &[Fram
         ("/flight/path", "LineStrips2D:strips") => Box::new(|value, frame| {
             let last = lines(value)[0].last().expect("a place").clone();
             last == drawn(&Point2::from(FlightAnswer::of(frame).pose.expect("a pose").translation.vector))
+        }),
+        ("/flight/unsure", "Points2D:positions") => Box::new(move |value, frame| {
+            let so_far = &confidences[..=(frame.revolution.seq - first) as usize];
+            // An answer without a confidence is as unsure as the one before.
+            let unsure = (0..so_far.len()).filter(|at| so_far[..=*at].iter().rev().find_map(|of| *of) < Some(0.5));
+            points(value)
+                .into_iter()
+                .eq(unsure.map(|at| drawn(&Point2::new(STEP_M * (first as usize + at) as f64, 0.5))))
         }),
         ("/flight/walls" | "/flight/walls/new", "Points2D:positions") => Box::new(|value, frame| {
             let far_m = STEP_M * frame.revolution.seq as f64 + 13.0;

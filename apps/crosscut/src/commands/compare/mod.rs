@@ -12,11 +12,13 @@ use anyhow::Context;
 use crossbeam_channel::{IntoIter, bounded};
 use crosscut_detector::Registry;
 use crosscut_evaluate::experiment::{self, Experiment};
+use crosscut_evaluate::times::Stopwatch;
 use crosscut_evaluate::verdict::Surer;
 use crosscut_evaluate::{Agreement, Differences};
 use crosscut_outfile::Keep;
 use crosscut_pipeline::{End, StopFlag};
 use crosscut_report::ResultsLine;
+use crosscut_stage::Timings;
 use indicatif::ProgressBar;
 
 use crate::cli::CompareArgs;
@@ -25,7 +27,7 @@ use crate::diagnostics::Diagnostics;
 use crate::exit::{Outcome, UsageError};
 use crate::fly::{Flight, Flown, How, files_read, fly};
 use crate::interrupt::stop_on_interrupt;
-use crate::looking::Look;
+use crate::looking::{Look, Looks};
 use crate::outputs::Document;
 use crate::say::show;
 use crate::{looking, progress, typeset};
@@ -33,8 +35,12 @@ use crate::{looking, progress, typeset};
 /// A configuration may be this many answers ahead of the slowest.
 const AHEAD: usize = 64;
 
-/// An answer, and whether it is right by the truth, if there is one.
-type Judged = (ResultsLine, Option<bool>);
+/// An answer, whether it is right by the truth, if there is one, and what it took.
+struct Judged {
+    line: ResultsLine,
+    is_right: Option<bool>,
+    timings: Timings,
+}
 
 /// The answers of a configuration by ascending `seq`, then `None` at the end of the flight. The channel closes without
 /// `None` if the configuration stopped early.
@@ -48,6 +54,8 @@ struct Compared {
     surer: Vec<Surer>,
     /// What they mend and break against the truth, if there is one.
     outcomes: Vec<experiment::Outcome>,
+    /// What each revolution took.
+    stopwatch: Stopwatch,
     /// The flight by every configuration.
     flown: Vec<Flown>,
     /// Stamp of the first scan that was compared.
@@ -77,34 +85,35 @@ pub(crate) fn compare(args: &CompareArgs, registry: &Registry) -> anyhow::Result
 
     let mut diagnostics = Diagnostics::default();
     report(&configurations, &compared, &mut diagnostics);
+    let options = configurations::run_options(&args.input, &args.with, &args.set);
+    let looks = Looks { flights: input, options };
+    let wrong = looks.wrong_answers(&compared.outcomes);
     if let Some(out) = &mut json {
-        let document = shown::json(&configurations, &compared, diagnostics.problems());
+        let document = shown::json(&configurations, &compared, &wrong, diagnostics.problems());
         out.write(&document)?;
     }
     if !args.quiet && args.json.as_deref() != Some(Path::new("-")) {
-        let options: Vec<_> = args.with.iter().map(|with| configurations::run_options(with, &args.set)).collect();
-        let hint = looking::hint(&compared.outcomes, input, &options);
+        let hint = looks.hint(&compared.outcomes, (!args.all).then_some("--all"));
         let sentences = shown::sentences(&configurations, &compared, hint);
-        let tables = typeset::text(&shown::tables(&configurations, &compared, args.all));
-        show(format_args!("{sentences}\n{tables}{}", to_look(args, &configurations, &compared)))?;
+        let mut tables = shown::tables(&configurations, &compared, args.all);
+        tables.extend(looking::table(&wrong).filter(|_| args.all));
+        let to_look = to_look(&looks, &configurations, &compared);
+        show(format_args!("{sentences}\n{}{to_look}", typeset::text(&tables)))?;
     }
     Ok(diagnostics.outcome())
 }
 
 /// The commands that show the first stretch where the first two configurations differ.
-fn to_look(args: &CompareArgs, configurations: &[Configuration], compared: &Compared) -> String {
+fn to_look(looks: &Looks<'_>, configurations: &[Configuration], compared: &Compared) -> String {
     let stretches = compared.differences.first().map(|of| &of.stretches[..]).unwrap_or_default();
     let Some(first) = stretches.first() else { return String::new() };
-    let look = |place: usize| {
-        let options = configurations::run_options(&args.with[place], &args.set);
-        let name = if place == 0 { "A" } else { "B" };
-        Look::of(&args.input.recordings.input, &options, name)
-    };
-    let [a, b] = [look(0), look(1)];
+    let [a, b] = [("A", 0), ("B", 1)].map(|(name, place)| Look::of(looks.flights, &looks.options[place], name));
     let commands = [a.record.clone(), b.record.clone(), Some(a.beside(&b, first.seq[0]))];
     let commands: Vec<String> = commands.into_iter().flatten().map(|command| format!("  {command}\n")).collect();
     let [of_a, of_b] = [0, 1].map(|place| &configurations[place].name);
-    format!("\nto see where {of_a} and {of_b} differ, from revolution {} on:\n{}", first.seq[0], commands.concat())
+    let other = if stretches.len() > 1 { "; --at takes any other" } else { "" };
+    let from = first.seq[0];
+    format!("\nto see where {of_a} and {of_b} differ, from revolution {from} on{other}:\n{}", commands.concat())
 }
 
 /// Streams the flight through every configuration in threads of their own, and compares answers to the same scan. Where
@@ -125,7 +134,8 @@ fn side_by_side(
             let run = move || {
                 let flown = fly(flight, config, &how, &mut [], &mut |frame, judged| {
                     let is_right = judged.map(|judged| judged.score.right);
-                    answer.send(Some((ResultsLine::of(frame), is_right))).map_err(io::Error::other)
+                    let (line, timings) = (ResultsLine::of(frame), frame.timings);
+                    answer.send(Some(Judged { line, is_right, timings })).map_err(io::Error::other)
                 })?;
                 if matches!(flown.summary.end, End::Complete) {
                     answer.send(None).ok(); // the receiver is gone if another configuration stopped
@@ -139,8 +149,8 @@ fn side_by_side(
         let paired = pair(configurations, answers, bar)?;
         let joined = |stream: ScopedJoinHandle<'_, anyhow::Result<Flown>>| stream.join().expect("streams catch panics");
         let flown = streams.into_iter().map(joined).collect::<anyhow::Result<_>>()?;
-        let Paired { differences, surer, experiment, first_stamp_ns } = paired;
-        Ok(Compared { differences, surer, outcomes: experiment.outcomes(), flown, first_stamp_ns })
+        let Paired { differences, surer, experiment, stopwatch, first_stamp_ns } = paired;
+        Ok(Compared { differences, surer, outcomes: experiment.outcomes(), stopwatch, flown, first_stamp_ns })
     })
 }
 
@@ -149,6 +159,7 @@ struct Paired {
     differences: Vec<Differences>,
     surer: Vec<Surer>,
     experiment: Experiment,
+    stopwatch: Stopwatch,
     first_stamp_ns: u64,
 }
 
@@ -157,17 +168,19 @@ struct Paired {
 fn pair(configurations: &[Configuration], mut answers: Vec<Answers>, bar: &ProgressBar) -> anyhow::Result<Paired> {
     let mut differences = vec![Differences::default(); answers.len() - 1];
     let mut surer = vec![Surer::default(); answers.len() - 1];
-    let mut experiment = Experiment::new(configurations.iter().map(|of| of.name.clone()).collect());
+    let names: Vec<String> = configurations.iter().map(|of| of.name.clone()).collect();
+    let (mut experiment, mut stopwatch) = (Experiment::new(names.clone()), Stopwatch::new(names));
     let mut first_stamp_ns = None;
     while let Some(seq) = next_seq(&mut answers) {
-        let is_next = |answer: &Option<Judged>| answer.as_ref().is_some_and(|(line, _)| line.seq == seq);
+        let is_next = |answer: &Option<Judged>| answer.as_ref().is_some_and(|judged| judged.line.seq == seq);
         let judged: Vec<_> = answers.iter_mut().map(|of| of.next_if(is_next).flatten()).collect();
         for (place, judged) in judged.iter().enumerate() {
-            if let Some((_, Some(is_right))) = judged {
-                experiment.add("", place, seq, *is_right);
+            if let Some(Judged { is_right, timings, .. }) = judged {
+                is_right.iter().for_each(|is_right| experiment.add("", place, seq, *is_right));
+                stopwatch.add(place, 0, seq, timings);
             }
         }
-        let lines: Vec<_> = judged.into_iter().map(|judged| Some(judged?.0)).collect();
+        let lines: Vec<_> = judged.into_iter().map(|judged| Some(judged?.line)).collect();
         first_stamp_ns = first_stamp_ns.or_else(|| lines.iter().flatten().map(|line| line.stamp_ns).next());
         let (first, others) = lines.split_first().expect("there are two configurations at least");
         for ((other, differences), surer) in others.iter().zip(&mut differences).zip(&mut surer) {
@@ -184,12 +197,12 @@ fn pair(configurations: &[Configuration], mut answers: Vec<Answers>, bar: &Progr
         }
         bar.inc(1);
     }
-    Ok(Paired { differences, surer, experiment, first_stamp_ns: first_stamp_ns.unwrap_or(0) })
+    Ok(Paired { differences, surer, experiment, stopwatch, first_stamp_ns: first_stamp_ns.unwrap_or(0) })
 }
 
 /// The next revolution that any configuration answered; `None` at the end of the flight, or if one stopped early.
 fn next_seq(answers: &mut [Answers]) -> Option<u64> {
-    let next = answers.iter_mut().map(|of| Some(of.peek()?.as_ref().map(|(line, _)| line.seq)));
+    let next = answers.iter_mut().map(|of| Some(of.peek()?.as_ref().map(|judged| judged.line.seq)));
     next.collect::<Option<Vec<_>>>()?.into_iter().flatten().min()
 }
 

@@ -6,11 +6,11 @@ use crosscut_evaluate::experiment;
 use crosscut_evaluate::tables::Table;
 use crosscut_evaluate::verdict::Surer;
 use crosscut_evaluate::{Differences, Proportion, Stretch};
-use crosscut_stage::Step;
 use serde_json::json;
 
 use super::Compared;
 use crate::configurations::Configuration;
+use crate::looking::WrongAnswer;
 
 /// This many of the longest stretches are shown by default.
 const STRETCHES: usize = 15;
@@ -37,7 +37,7 @@ pub(super) fn tables(configurations: &[Configuration], compared: &Compared, all:
     let others = || configurations[1..].iter().map(|other| other.name.as_str()).zip(&compared.differences);
     let mut tables = vec![settings(configurations), agreement(first, others())];
     tables.extend(others().map(|(other, differences)| counts(first, other, differences)));
-    tables.push(times(configurations, compared));
+    tables.extend(compared.stopwatch.table("while all run at once"));
     let since_start_s = |stamp_ns: u64| starts_at_s + (stamp_ns as f64 - compared.first_stamp_ns as f64) / 1e9;
     tables.extend(others().map(|(other, differences)| stretches(first, other, differences, since_start_s, all)));
     tables
@@ -104,19 +104,6 @@ fn counts(first: &str, other: &str, differences: &Differences) -> Table {
     }
 }
 
-fn times(configurations: &[Configuration], compared: &Compared) -> Table {
-    let row = |step: Step| {
-        let medians = compared.flown.iter().map(|flown| flown.summary.times.median_and_p99_ns(step));
-        let ms = medians.map(|of| of.map_or_else(|| "-".to_owned(), |(ns, _)| format!("{:.3}", ns as f64 / 1e6)));
-        [step.name().to_owned()].into_iter().chain(ms).collect()
-    };
-    Table {
-        title: "median time of a revolution, ms, while all run at once".to_owned(),
-        header: header("stage", configurations),
-        rows: Step::ALL.map(row).to_vec(),
-    }
-}
-
 fn stretches(
     first: &str,
     other: &str,
@@ -156,7 +143,12 @@ fn stretches(
 }
 
 /// All figures and stretches, the complete settings of each configuration, and the problems.
-pub(super) fn json(configurations: &[Configuration], compared: &Compared, problems: &[String]) -> String {
+pub(super) fn json(
+    configurations: &[Configuration],
+    compared: &Compared,
+    wrong: &[WrongAnswer<'_>],
+    problems: &[String],
+) -> String {
     let named = |of: &Configuration| json!({"name": of.name, "settings": of.config.to_string()});
     let comparison = |((other, differences), surer): ((&Configuration, &Differences), &Surer)| {
         let counts = differences.counts.iter();
@@ -169,6 +161,7 @@ pub(super) fn json(configurations: &[Configuration], compared: &Compared, proble
         "against": configurations[0].name,
         "comparisons": comparisons.collect::<Vec<_>>(),
         "verdicts": compared.outcomes.iter().filter(|outcome| outcome.verdict.of > 0).collect::<Vec<_>>(),
+        "wrong_answers": wrong,
         "problems": problems,
     });
     format!("{document:#}\n")

@@ -95,10 +95,14 @@ pub(crate) fn debug(args: DebugArgs, registry: &Registry, kinds: Option<&dyn Kin
     };
     let name = args.input.recordings.input[0].file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let (reader, lost) = flight::reader(args.input);
-    let session = Session::new(registry.clone(), layers, reader).map_err(|refused| match refused {
+    let no_session = |refused| match refused {
         Refused::Failed(why) => anyhow::anyhow!(why),
         refused => UsageError(refused.to_string()).into(),
-    })?;
+    };
+    let mut session = Session::new(registry.clone(), layers, reader).map_err(no_session)?;
+    if let Some(at) = args.at {
+        session.command(&["seek".to_owned(), at.to_string()]).map_err(no_session)?;
+    }
     let mut diagnostics = Diagnostics::default();
     diagnostics.lost_all(lost.borrow().iter());
     let is_terminal = !args.json && io::stdin().is_terminal() && io::stdout().is_terminal();

@@ -10,6 +10,7 @@ use anyhow::Context;
 use crosscut_detector::Registry;
 use crosscut_evaluate::experiment::{self, Experiment};
 use crosscut_evaluate::flights::FlightFigures;
+use crosscut_evaluate::times::Stopwatch;
 use crosscut_evaluate::{Evaluation, Scoreboard, tables};
 use crosscut_ingest::{Truths, recordings_in};
 use crosscut_outfile::Keep;
@@ -21,13 +22,13 @@ use crate::diagnostics::Diagnostics;
 use crate::exit::{Outcome, UsageError};
 use crate::fly::{Flight, How, files_read};
 use crate::interrupt::stop_on_interrupt;
-use crate::looking::Look;
+use crate::looking::{Look, Looks, WrongAnswer};
 use crate::outputs::Document;
 use crate::run_log::Run;
 use crate::say::{say, show};
 use crate::{looking, outputs, progress, typeset};
 
-use self::scoring::FlightTime;
+use self::scoring::{Answered, FlightTime};
 
 /// Runs every configuration on every recording and compares the results with the truth.
 pub(crate) fn evaluate(args: &EvaluateArgs, registry: &Registry) -> anyhow::Result<Outcome> {
@@ -54,10 +55,12 @@ pub(crate) fn evaluate(args: &EvaluateArgs, registry: &Registry) -> anyhow::Resu
     let bar = progress::bar(revolutions, args.quiet);
     let how = How { registry, stop: &stop, bar: &bar, rate: None, has_poses: false };
     let names: Vec<String> = columns.iter().map(|column| column.name.clone()).collect();
-    let (mut scoreboard, mut experiment) = (Scoreboard::new(names.clone()), Experiment::new(names));
+    let (mut scoreboard, mut experiment) = (Scoreboard::new(names.clone()), Experiment::new(names.clone()));
+    let mut stopwatch = Stopwatch::new(names);
+    let options = configurations::run_options(&args.input, with, &args.set);
     let (mut wrong, mut time) = (0, FlightTime::default());
     let mut to_look: Option<String> = None;
-    'all: for path in &recordings {
+    'all: for (number, path) in recordings.iter().enumerate() {
         let family = family_of(path);
         for (place, column) in columns.iter().enumerate() {
             let whose = format!("{}, in {}", column.name, path.display());
@@ -68,7 +71,10 @@ pub(crate) fn evaluate(args: &EvaluateArgs, registry: &Registry) -> anyhow::Resu
             let scored = scoring::score(path, &args.input, &column.config, &how)?;
             bar.suspend(|| scored.report(&whose, &mut diagnostics));
             scoreboard.merge(&family, place, &scored.evaluation);
-            scored.right.iter().for_each(|&(seq, is_right)| experiment.add(&family, place, seq, is_right));
+            for Answered { seq, is_right, timings } in &scored.answered {
+                experiment.add(&family, place, *seq, *is_right);
+                stopwatch.add(place, number, *seq, timings);
+            }
             if let Some((figures, taken)) = scored.flight {
                 scoreboard.add_flight(&family, place, &figures);
                 time.merge(taken);
@@ -78,11 +84,7 @@ pub(crate) fn evaluate(args: &EvaluateArgs, registry: &Registry) -> anyhow::Resu
                 diagnostics.lost_all(drawn.err().map(|error| format!("{error:#}")));
                 wrong += scored.wrong.count();
                 if let (None, Some(seq)) = (&to_look, scored.wrong.first_seq()) {
-                    let look = Look::of(
-                        std::slice::from_ref(path),
-                        &configurations::run_options(&with[place], &args.set),
-                        &family,
-                    );
+                    let look = Look::of(std::slice::from_ref(path), &options[place], &family);
                     let record = look.record.as_ref().map(|record| format!("{record}; ")).unwrap_or_default();
                     to_look = Some(format!("{record}{}", look.at(seq)));
                 }
@@ -105,9 +107,9 @@ pub(crate) fn evaluate(args: &EvaluateArgs, registry: &Registry) -> anyhow::Resu
         diagnostics.lost_all(kept.err().map(|error| format!("{error:#}")));
     }
     let outcomes = experiment.outcomes();
-    let options: Vec<_> = with.iter().map(|with| configurations::run_options(with, &args.set)).collect();
-    let hint = looking::hint(&outcomes, &recordings, &options);
-    outputs.write(&scoreboard, &outcomes, hint, &columns, diagnostics.problems())?;
+    let evaluated =
+        Evaluated { scoreboard, outcomes: &outcomes, stopwatch, looks: Looks { flights: &recordings, options } };
+    outputs.write(&evaluated, &columns, diagnostics.problems())?;
     Ok(diagnostics.outcome())
 }
 
@@ -195,6 +197,14 @@ fn note_changed_scans(columns: &[Configuration], diagnostics: &mut Diagnostics) 
     }
 }
 
+/// What is known of all configurations.
+struct Evaluated<'a> {
+    scoreboard: Scoreboard,
+    outcomes: &'a [experiment::Outcome],
+    stopwatch: Stopwatch,
+    looks: Looks<'a>,
+}
+
 /// The output files, opened before the work begins.
 struct Outputs<'a> {
     args: &'a EvaluateArgs,
@@ -217,23 +227,20 @@ impl<'a> Outputs<'a> {
         Ok(Self { args, json: json.transpose()?, markdown: markdown.transpose()? })
     }
 
-    fn write(
-        &mut self,
-        scoreboard: &Scoreboard,
-        outcomes: &[experiment::Outcome],
-        hint: Option<String>,
-        columns: &[Configuration],
-        problems: &[String],
-    ) -> anyhow::Result<()> {
+    fn write(&mut self, of: &Evaluated<'_>, columns: &[Configuration], problems: &[String]) -> anyhow::Result<()> {
+        let Evaluated { scoreboard, outcomes, stopwatch, looks } = of;
+        let details = self.args.details;
+        let hint = looks.hint(outcomes, (!details).then_some("--details"));
+        let wrong = looks.wrong_answers(outcomes);
         let sentences: Vec<String> = experiment::sentences(outcomes).into_iter().chain(hint).collect();
         let mut shown = tables::overview(scoreboard);
         shown.extend(experiment::tables(outcomes));
-        if self.args.details {
+        if details {
             shown.extend(tables::details(scoreboard));
         }
         if let Some(out) = &mut self.json {
             let settings: Vec<_> = columns.iter().map(|column| column.config.to_string()).collect();
-            out.write(&json(scoreboard, outcomes, &settings, problems))?;
+            out.write(&json(scoreboard, outcomes, &wrong, &settings, problems))?;
         }
         if let Some(out) = &mut self.markdown {
             let problems: String = problems.iter().map(|problem| format!("{problem}\n\n")).collect();
@@ -242,6 +249,9 @@ impl<'a> Outputs<'a> {
         }
         let stdout_is_taken = [&self.args.json, &self.args.markdown].into_iter().flatten().any(|p| p == Path::new("-"));
         if !self.args.quiet && !stdout_is_taken {
+            // Files hold no times, so that they are the same whenever they are made.
+            shown.extend(stopwatch.table("one after the other"));
+            shown.extend(looking::table(&wrong).filter(|_| details));
             let sentences: String = sentences.iter().map(|sentence| format!("{sentence}\n")).collect();
             let space = if sentences.is_empty() { "" } else { "\n" };
             show(format_args!("{sentences}{space}{}", typeset::text(&shown)))?;
@@ -251,7 +261,13 @@ impl<'a> Outputs<'a> {
 }
 
 /// All figures by family and configuration, the complete `settings` of each configuration, and the problems.
-fn json(scoreboard: &Scoreboard, outcomes: &[experiment::Outcome], settings: &[String], problems: &[String]) -> String {
+fn json(
+    scoreboard: &Scoreboard,
+    outcomes: &[experiment::Outcome],
+    wrong: &[WrongAnswer<'_>],
+    settings: &[String],
+    problems: &[String],
+) -> String {
     let names = scoreboard.configurations();
     let configurations: Vec<_> =
         names.iter().zip(settings).map(|(name, toml)| json!({"name": name, "settings": toml})).collect();
@@ -274,6 +290,7 @@ fn json(scoreboard: &Scoreboard, outcomes: &[experiment::Outcome], settings: &[S
     let document = json!({
         "configurations": configurations,
         "verdicts": outcomes,
+        "wrong_answers": wrong,
         "families": families,
         "all": results(&scoreboard.all(), &scoreboard.all_flights()),
         "problems": problems,

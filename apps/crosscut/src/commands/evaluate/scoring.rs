@@ -10,7 +10,7 @@ use crosscut_flight::Mapper;
 use crosscut_ingest::{Truths, truth_map};
 use crosscut_messages::{Truth, TruthMap};
 use crosscut_pipeline::End;
-use crosscut_stage::Frame;
+use crosscut_stage::{Frame, Timings};
 
 use super::wrong::Wrong;
 use crate::cli::InputArgs;
@@ -23,13 +23,20 @@ pub(super) struct Scored {
     pub(super) evaluation: Evaluation,
     /// The figures of the flight, and the time that following it took, if its mine is known.
     pub(super) flight: Option<(FlightFigures, FlightTime)>,
-    /// Each revolution, and whether its answer is right.
-    pub(super) right: Vec<(u64, bool)>,
+    /// Each revolution that has a truth.
+    pub(super) answered: Vec<Answered>,
     /// The wrong answers.
     pub(super) wrong: Wrong,
     flown: Flown,
     /// Why the map of the mine cannot be read.
     bad_map: Option<String>,
+}
+
+/// A revolution, whether its answer is right, and what it took.
+pub(super) struct Answered {
+    pub(super) seq: u64,
+    pub(super) is_right: bool,
+    pub(super) timings: Timings,
 }
 
 impl Scored {
@@ -52,7 +59,7 @@ pub(super) fn score(path: &PathBuf, args: &InputArgs, config: &Config, how: &How
     } else {
         (flight.with_truths(Some(Truths::open(path)?)), truth_map(path)?.transpose())
     };
-    let (mut evaluation, mut wrong, mut right) = (Evaluation::default(), Wrong::default(), Vec::new());
+    let (mut evaluation, mut wrong, mut answered) = (Evaluation::default(), Wrong::default(), Vec::new());
     let bad_map = mine.as_ref().err().map(|error| format!("{error}, in {}", path.display()));
     let mut followed = mine.ok().flatten().map(|mine| Followed::new(&mine));
     let how = How { has_poses: followed.is_some(), ..*how };
@@ -62,12 +69,13 @@ pub(super) fn score(path: &PathBuf, args: &InputArgs, config: &Config, how: &How
                 followed.add(frame, &judged.truth);
             }
             evaluation.add(&judged.score);
-            right.push((frame.revolution.seq, judged.score.right));
+            let (seq, is_right) = (frame.revolution.seq, judged.score.right);
+            answered.push(Answered { seq, is_right, timings: frame.timings });
             wrong.take(frame, &judged.truth, &judged.score);
         }
         Ok(())
     })?;
-    Ok(Scored { evaluation, flight: followed.map(Followed::finish), right, wrong, flown, bad_map })
+    Ok(Scored { evaluation, flight: followed.map(Followed::finish), answered, wrong, flown, bad_map })
 }
 
 /// A flight that is followed, and its map.

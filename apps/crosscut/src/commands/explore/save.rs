@@ -3,7 +3,7 @@
 use crosscut_detector::Config;
 use crosscut_flight::FlightAnswer;
 use crosscut_missions::{Flown, Moment};
-use crosscut_recorder::{MissionDecision, MissionMoment, MissionRecorder, RecorderError, RecorderOptions};
+use crosscut_recorder::{MissionDecision, MissionMoment, MissionRecorder, RecorderError, RecorderOptions, TrueWalls};
 use crosscut_simulator::World;
 use crosscut_stage::ObserverError;
 use nalgebra::{Isometry2, Point2};
@@ -19,6 +19,7 @@ const MAP_EVERY: u64 = 20;
 /// A mission that is recorded.
 pub(super) struct Saved {
     recorder: MissionRecorder,
+    truths: TrueWalls,
     failed: Option<ObserverError>,
 }
 
@@ -48,7 +49,8 @@ impl Saved {
         let segments = world.mine.surface().segments().iter();
         let mine_m: Vec<[Point2<f64>; 2]> =
             segments.map(|segment| [home * segment.from_m, home * segment.to_m]).collect();
-        Ok(Self { recorder: MissionRecorder::new(options, &mine_m)?, failed: None })
+        let truths = options.truth.clone();
+        Ok(Self { recorder: MissionRecorder::new(options, &mine_m)?, truths, failed: None })
     }
 
     pub(super) fn add(&mut self, moment: &Moment) {
@@ -56,6 +58,9 @@ impl Saved {
             return;
         }
         let frame = moment.frame;
+        let truth = (moment.scene)().truth;
+        let json = String::from_utf8(truth.to_json()).unwrap_or_default();
+        self.truths.tell(frame.revolution.seq, truth.walls as usize, json);
         let map = frame.revolution.seq.is_multiple_of(MAP_EVERY).then(|| moment.mapper.map());
         let (tracked, correction) = (FlightAnswer::of(frame).pose.unwrap_or_default(), moment.step.correction);
         let decision = moment.step.decision.as_ref().map(|decision| MissionDecision {

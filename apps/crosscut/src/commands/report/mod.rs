@@ -67,7 +67,7 @@ pub(crate) fn report(args: &ReportArgs, registry: &Registry) -> anyhow::Result<O
     if !flown.is_empty() {
         let names = input.iter().map(|path| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy());
         let title = names.collect::<Vec<_>>().join(", ");
-        let look = Look::with(input, &args.config);
+        let look = Look::with(&args.input, &args.config);
         let page = page::html(&title, &config, &flown, &shown, has_truth, &look);
         out.write(&page)?;
         if !args.quiet {

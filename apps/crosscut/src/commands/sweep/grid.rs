@@ -2,7 +2,7 @@
 
 use crosscut_detector::{Config, Registry};
 
-use crate::cli::ConfigArgs;
+use crate::cli::{ConfigArgs, InputArgs};
 use crate::config;
 use crate::exit::UsageError;
 use crate::looking;
@@ -65,10 +65,10 @@ impl Grid {
     }
 
     /// The options of `debug` that choose each combination.
-    pub(super) fn options(&self, args: &ConfigArgs) -> Vec<Vec<String>> {
+    pub(super) fn options(&self, input: &InputArgs, args: &ConfigArgs) -> Vec<Vec<String>> {
         let of = |point: &Vec<String>| {
             let (preset, settings) = self.chosen(point, args);
-            looking::options(Some(preset), args.config.as_deref(), &settings)
+            [input.options(), looking::options(Some(preset), args.config.as_deref(), &settings)].concat()
         };
         self.points.iter().map(of).collect()
     }

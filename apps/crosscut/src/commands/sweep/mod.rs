@@ -32,8 +32,9 @@ use crate::diagnostics::Diagnostics;
 use crate::exit::Outcome;
 use crate::fly::{self, Judge, files_read};
 use crate::interrupt::stop_on_interrupt;
+use crate::looking::Looks;
+use crate::progress;
 use crate::say::{say, show};
-use crate::{looking, progress};
 
 /// A recording, and what is known of it.
 struct Input {
@@ -91,7 +92,8 @@ pub(crate) fn sweep(args: &SweepArgs, registry: &Registry, build: Option<&str>) 
     output::write(&args.out, &program, &grid, &rows, &outcomes)?;
     if !args.quiet {
         let paths: Vec<PathBuf> = flights.iter().map(|flight| flight.path.clone()).collect();
-        let hint = looking::hint(&outcomes, &paths, &grid.options(&args.config));
+        let looks = Looks { flights: &paths, options: grid.options(&args.input, &args.config) };
+        let hint = looks.hint(&outcomes, None);
         show(format_args!("{}{}", verdict::sentences(&outcomes, hint), output::table(&grid, &rows)))?;
     }
     if let Some(log) = &args.log {

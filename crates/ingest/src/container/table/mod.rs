@@ -464,6 +464,7 @@ mod tests {
             ("scan,quality,angle,distance\n0,15,180.0,0\n", Found::AngleTable),
             ("theta;range\n0,5;1,2\n", Found::AngleTable),
             ("0.0 1.5\n0.5 1.6\n", Found::AngleTable),
+            ("#COUNT=2\n#Angule\tDistance\tQuality\n0.5\t1500.0\t47\n1.5\t1501.0\t47\n", Found::AngleTable),
             ("x,y,z,intensity\n1,2,3,4\n", Found::PointTable),
             ("1.0 2.0 3.0\n1.0 2.0 3.0\n", Found::PointTable),
             ("time,speed,yaw\n1,2,3\n", Found::OtherTable("`time`, `speed`, `yaw`".to_owned())),

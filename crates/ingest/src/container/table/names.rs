@@ -45,7 +45,8 @@ const NO_RANGES: [&str; 31] = [
     "orientation",
     "label",
 ];
-const ANGLES: [&str; 8] = ["angle", "angles", "theta", "bearing", "azimuth", "phi", "angle_deg", "angle_rad"];
+/// Names of angles; `angule` is written by the frame grabber of RPLIDAR.
+const ANGLES: [&str; 9] = ["angle", "angles", "angule", "theta", "bearing", "azimuth", "phi", "angle_deg", "angle_rad"];
 
 /// The name of a column, taken apart.
 #[derive(Clone, Debug, Default, PartialEq)]
