@@ -16,7 +16,7 @@
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
-use crosscut_stage::{Junction, Opening, Revolution, Verdict, Wall, wrap_angle_rad};
+use crosscut_stage::{Junction, Opening, Point, Revolution, Verdict, Wall, wrap_angle_rad};
 
 use crate::odds;
 use crate::openings::Edge;
@@ -28,10 +28,12 @@ const CLEARANCES: [f64; 2] = [0.2, 15.0];
 const LEAST_ODDS: f64 = 1e-4;
 /// Openings that are this far apart, or farther, are clearly apart.
 const APART_RAD: f64 = FRAC_PI_4;
+/// The length of an island is limited to this many times the vehicle's width.
+const MOST_ISLAND: f64 = 3.0;
 /// The margin is limited to this.
 const MARGIN_DECADES: f64 = 1.0;
 /// β.
-pub const BETA: [f64; Grounds::INPUTS] = [-1.32, 0.55, 0.31, -0.39, 2.13, -0.62, 1.2];
+pub const BETA: [f64; Grounds::INPUTS] = [-1.32, 0.55, 0.32, -0.39, 2.14, -0.37, 1.17];
 
 /// Returns up to this far apart, 90 a turn with room for rounding, show walls as lines; fewer do not.
 pub(crate) const COARSE_RAD: f64 = TAU / 89.5;
@@ -59,8 +61,9 @@ pub struct Grounds {
     pub most_within_walls_m: f64,
     /// φ: the least angle between the bearings of two openings.
     pub apart_rad: f64,
-    /// i: whether pillars are in view, behind which nothing is seen.
-    pub islands: bool,
+    /// i: how long the longest pillar in view is seen to be, metres; 0 without one. What stands behind its ends is hidden: it may
+    /// be the end of a wall.
+    pub longest_island_m: f64,
     /// m: how far the zero tolerance could be moved before k changes, decades; `None` if the spectrum has none.
     pub margin_decades: Option<f64>,
 }
@@ -102,7 +105,7 @@ impl Grounds {
             least_at_openings_m: f64::INFINITY,
             most_within_walls_m: 0.0,
             apart_rad: apart_rad(answer),
-            islands: answer.walls.iter().any(|wall| wall.island),
+            longest_island_m: longest_island_m(revolution, answer),
             margin_decades,
         };
         for opening in &answer.openings {
@@ -137,9 +140,26 @@ impl Grounds {
         let (opening, gap) = (clearance(self.least_at_openings_m), clearance(self.most_within_walls_m));
         let odds = self.odds.clamp(LEAST_ODDS, 1.0 - LEAST_ODDS);
         let margin = self.margin_decades.unwrap_or(MARGIN_DECADES).clamp(0.0, MARGIN_DECADES);
-        let (apart, islands) = (self.apart_rad.min(APART_RAD), f64::from(u8::from(self.islands)));
-        [1.0, (odds / (1.0 - odds)).ln(), opening, gap, apart, islands, margin]
+        let (apart, island) =
+            (self.apart_rad.min(APART_RAD), (self.longest_island_m / vehicle_width_m).min(MOST_ISLAND));
+        [1.0, (odds / (1.0 - odds)).ln(), opening, gap, apart, island, margin]
     }
+}
+
+/// The length of the longest island: from the return farthest from its first one to that farthest from there.
+fn longest_island_m(revolution: &Revolution, answer: &Junction) -> f64 {
+    let length_m = |island: &Wall| {
+        let returns_m = || {
+            let of_island = |(wall, _): &(&Option<u32>, &Point)| **wall == Some(island.id);
+            answer.wall_of_return.iter().zip(&revolution.points_m).filter(of_island).map(|(_, point_m)| *point_m)
+        };
+        let farthest_m = |from_m: Point| {
+            let apart_m = |to_m: &Point| (to_m - from_m).norm();
+            returns_m().max_by(|a, b| apart_m(a).total_cmp(&apart_m(b))).map_or((0.0, from_m), |m| (apart_m(&m), m))
+        };
+        returns_m().next().map_or(0.0, |first_m| farthest_m(farthest_m(first_m).1).0)
+    };
+    answer.walls.iter().filter(|wall| wall.island).map(length_m).fold(0.0, f64::max)
 }
 
 /// The least angle between the bearings of two openings; π with fewer than two.
