@@ -7,12 +7,13 @@ use crosscut_stage::{Frame, PoseDoubt, wrap_angle_rad};
 use nalgebra::{Isometry2, Matrix3, Point2, Vector3};
 
 use super::outline::Walls;
+use super::passed::Passed;
 use super::recognise::Guess;
 use super::travelled::Travelled;
 use super::visit::{OpenVisit, Visit};
 use super::{Map, Passage};
 use crate::line_points::line_points;
-use crate::{Edge, FlightAnswer, HereKind, PoseGraph};
+use crate::{Edge, FlightAnswer, HereKind, PoseGraph, Way};
 
 /// A visit has ended once the vehicle has moved this far in a passage: the place may be in doubt in between. One to a
 /// dead end, only once it is certain by which side the vehicle leaves.
@@ -38,6 +39,9 @@ const SAME_MOUTH_RAD: f64 = 0.6;
 /// A mouth that is nearer to an anchor than this many of its looks need not be a mouth from there.
 const MOUTH_OUTSIDE: f64 = 0.7;
 
+/// What ends within this many widths of the passage, and within the look, is a pocket in the wall.
+const POCKET_WIDTHS: f64 = 1.45;
+
 /// Where an anchor lies in its place, standard deviation.
 const ANCHOR_M: f64 = 0.1;
 
@@ -50,6 +54,10 @@ const UNKNOWN_RAD: f64 = 3.0;
 pub struct Mapper {
     pub(super) map: Map,
     open: Option<OpenVisit>,
+    /// A visit that has ended at a place that was seen from its edge alone, until the vehicle is beyond it; and where the vehicle
+    /// left to.
+    passing: Option<(OpenVisit, Isometry2<f64>)>,
+    passed: Passed,
     /// Each visit's anchor, and what was measured between them. Poses are corrected, measurements are not.
     pub(super) graph: PoseGraph,
     /// How each edge of the graph was flown.
@@ -141,6 +149,12 @@ impl Mapper {
         }
         self.doubt = doubt;
         self.way.add(pose);
+        let lines = || {
+            let mut points = Vec::new();
+            line_points(&frame.revolution.points_m, 1, &mut points);
+            points
+        };
+        self.passed.add(pose, lines);
         self.settle(Point2::from(pose.translation.vector));
         let node = steady.node();
         let place_m = Point2::from(pose.translation.vector);
@@ -158,7 +172,14 @@ impl Mapper {
         let follows =
             node.is_some() && self.open.as_ref().is_some_and(|open| Some(open.kind()) == node && has_ended(open));
         if self.open.as_ref().is_some_and(has_ended) {
+            let is_of_its_edge = |open: &mut OpenVisit| open.kind() == HereKind::Junction && !open.has_middle();
+            let passing = self.open.take_if(|open| node.is_none() && is_known && is_of_its_edge(open));
+            self.passing = passing.map(|open| (open, pose));
             self.end_visit(self.in_node_ns, Some(pose));
+        }
+        let is_behind = |(open, _): &(OpenVisit, _)| node.is_some() || !is_known || open.is_behind(&pose);
+        if self.passing.as_ref().is_some_and(is_behind) {
+            self.end_passing();
         }
         let Some(seen) = &flown.here else { return };
         if let Some(node) = node {
@@ -171,11 +192,7 @@ impl Mapper {
             let last_m = self.last.as_ref().map(|last| Point2::from(last.tracked.translation.vector));
             let follows = last_m.filter(|_| follows);
             let open = self.open.get_or_insert_with(|| OpenVisit::new(node, now_ns, came_from, follows));
-            open.add(now_ns, pose, self.way.way_m, seen, || {
-                let mut points = Vec::new();
-                line_points(&frame.revolution.points_m, 1, &mut points);
-                points
-            });
+            open.add(now_ns, pose, self.way.way_m, seen, lines);
         } else if let Some(width_m) = seen.ways.iter().map(|way| way.width_m).min_by(f64::total_cmp) {
             self.way.widths_m = [self.way.widths_m[0] + width_m, self.way.widths_m[1] + 1.0];
         }
@@ -215,15 +232,27 @@ impl Mapper {
 
     fn ended(&self) -> Self {
         let mut ended = self.clone();
+        ended.end_passing();
         ended.end_visit(self.in_node_ns, None);
         ended
     }
 
     /// How the poses that follow lie to those before is not known: the vehicle came to the next place by no way that is.
     fn end_stretch(&mut self) {
+        self.end_passing();
         self.end_visit(self.in_node_ns, None);
         self.last = None;
         self.way.begin_again();
+        self.passed.clear();
+    }
+
+    /// Ends the visit to the place that the vehicle is passing, if there is any.
+    fn end_passing(&mut self) {
+        if let Some((open, left_to)) = self.passing.take() {
+            let open = std::mem::replace(&mut self.open, Some(open));
+            self.end_visit(self.in_node_ns, Some(left_to));
+            self.open = open;
+        }
     }
 
     /// Ends the visit that is open, if there is any. `left_to`: where the vehicle is now, if it has left.
@@ -243,6 +272,9 @@ impl Mapper {
         {
             return;
         }
+        if left_to.is_some() && stayed.is_none() && self.is_a_pocket(&visit) {
+            return;
+        }
         let walls = Walls::new(&visit.outline);
         let number = self.graph.poses.len();
         self.graph.poses.push(predicted);
@@ -259,7 +291,8 @@ impl Mapper {
             self.graph.edges.push(Edge { from: before, to: number, measured, information });
             self.flown.push(Flown { way_m: f64::INFINITY, sd_m: None });
         }
-        let found = self.recognise(&visit, &walls, &predicted);
+        // Of a new node, this is one stay: it is no rival of the place that both may be.
+        let found = self.recognise(&visit, &walls, &predicted, stayed.filter(|&last| self.is_new(last)));
         let node = match (found, stayed) {
             (Some((candidate, runner_up)), _) => {
                 let node = self.merge(&visit, &candidate, runner_up, number);
@@ -282,6 +315,20 @@ impl Mapper {
         self.map.nodes[node].visits.push(visit.time_ns);
         self.count_ways(node, &visit, turned_rad);
         self.connect(&visit, node, turned_rad, number, left_to.is_some());
+    }
+
+    /// Whether a junction that was seen from its edge alone is none: from where the vehicle passed them, of all of its ways but two
+    /// the end was in view within the look.
+    fn is_a_pocket(&self, visit: &Visit) -> bool {
+        if visit.kind != HereKind::Junction || visit.has_middle {
+            return false;
+        }
+        let pocket_m = self.way.width_m().map_or(visit.look_m, |width_m| visit.look_m.min(POCKET_WIDTHS * width_m));
+        let ends = |(way, mouth_m): &(&Way, Point2<f64>)| {
+            self.passed.depth_m(*mouth_m, way.width_m).is_some_and(|depth_m| depth_m < pocket_m)
+        };
+        let pockets = visit.ways.iter().zip(visit.mouths_m()).filter(ends).count();
+        pockets > 0 && visit.ways.len() - pockets < 3
     }
 
     /// Whether the vehicle is still at the node that it left last: a place is what lies within the look, and the two looks
@@ -387,8 +434,7 @@ impl Mapper {
                 .into_iter()
                 .fold(f64::INFINITY, f64::min)
         };
-        let [sum_m, count] = self.way.widths_m;
-        let width_m = if count > 0.0 { sum_m / count } else { narrower_m() };
+        let width_m = self.way.width_m().unwrap_or_else(narrower_m);
         let to_last = last.tracked.inverse();
         let between = self.way.via.iter().filter(|(way_m, _)| (last.at_m..visit.reached_at_m).contains(way_m));
         let via_m = between.map(|(_, place_m)| to_last * place_m).collect();

@@ -5,6 +5,7 @@ mod mapper;
 mod no_place;
 mod nodes;
 mod outline;
+mod passed;
 mod recognise;
 mod seen;
 mod travelled;
