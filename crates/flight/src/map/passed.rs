@@ -5,7 +5,10 @@ use std::sync::Arc;
 
 use nalgebra::{Isometry2, Point2};
 
+use super::Mapper;
+use super::visit::Visit;
 use crate::line_points::LinePoint;
+use crate::{HereKind, Way};
 
 /// Walls are kept each time the vehicle has moved this far, for the last [`VIEWS`] of them: twice the longest look each way.
 const EVERY_M: f64 = 0.7;
@@ -13,6 +16,9 @@ const VIEWS: usize = 50;
 
 /// What lies in a mouth is looked for within this share of its width, about its middle.
 const WITHIN_MOUTH: f64 = 0.7;
+
+/// What ends within this many widths of the passage, and within the look, is a pocket in the wall.
+const POCKET_WIDTHS: f64 = 1.45;
 
 /// The walls that were seen on the last metres of the flight.
 #[derive(Clone, Debug, Default)]
@@ -54,5 +60,21 @@ impl Passed {
         let depth_m = inside.map(|to| to.norm()).max_by(f64::total_cmp)?;
         // What is nearer than the mouth hides what lies in it.
         (depth_m > towards.norm()).then_some(depth_m)
+    }
+}
+
+impl Mapper {
+    /// Whether a junction that was seen from its edge alone is none: from where the vehicle passed them, of all of its ways but two
+    /// the end was in view within the look.
+    pub(super) fn is_a_pocket(&self, visit: &Visit) -> bool {
+        if visit.kind != HereKind::Junction || visit.has_middle {
+            return false;
+        }
+        let pocket_m = self.way.width_m().map_or(visit.look_m, |width_m| visit.look_m.min(POCKET_WIDTHS * width_m));
+        let ends = |(way, mouth_m): &(&Way, Point2<f64>)| {
+            self.passed.depth_m(*mouth_m, way.width_m).is_some_and(|depth_m| depth_m < pocket_m)
+        };
+        let pockets = visit.ways.iter().zip(visit.mouths_m()).filter(ends).count();
+        pockets > 0 && visit.ways.len() - pockets < 3
     }
 }
