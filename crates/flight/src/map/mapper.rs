@@ -227,7 +227,7 @@ impl Mapper {
     /// Ends the visit to the place that the vehicle is passing, if there is any.
     fn end_passing(&mut self) {
         if let Some((open, left_to)) = self.passing.take() {
-            let open = std::mem::replace(&mut self.open, Some(open));
+            let open = self.open.replace(open);
             self.end_visit(self.in_node_ns, Some(left_to));
             self.open = open;
         }

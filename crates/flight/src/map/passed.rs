@@ -23,20 +23,27 @@ const POCKET_WIDTHS: f64 = 1.45;
 /// The walls that were seen on the last metres of the flight.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Passed {
-    /// Places as they are tracked, and points of the walls seen from there, in the same frame.
-    views: VecDeque<(Point2<f64>, Arc<[Point2<f64>]>)>,
+    views: VecDeque<View>,
+}
+
+/// What was seen from a place, in the frame that poses are tracked in.
+#[derive(Clone, Debug)]
+struct View {
+    from_m: Point2<f64>,
+    walls_m: Arc<[Point2<f64>]>,
 }
 
 impl Passed {
     pub(super) fn add(&mut self, pose: Isometry2<f64>, line_points: impl FnOnce() -> Vec<LinePoint>) {
-        let place_m = Point2::from(pose.translation.vector);
-        if self.views.back().is_some_and(|(before_m, _)| (place_m - before_m).norm() <= EVERY_M) {
+        let from_m = Point2::from(pose.translation.vector);
+        if self.views.back().is_some_and(|before| (from_m - before.from_m).norm() <= EVERY_M) {
             return;
         }
         if self.views.len() == VIEWS {
             self.views.pop_front();
         }
-        self.views.push_back((place_m, line_points().iter().map(|point| pose * point.position_m).collect()));
+        let walls_m = line_points().iter().map(|point| pose * point.position_m).collect();
+        self.views.push_back(View { from_m, walls_m });
     }
 
     /// The poses that follow do not go with those before.
@@ -47,15 +54,15 @@ impl Passed {
     /// How far the vehicle saw into a mouth as it passed it, metres from where it was nearest; `None` if it did not pass, went
     /// in, or saw no wall there.
     pub(super) fn depth_m(&self, mouth_m: Point2<f64>, width_m: f64) -> Option<f64> {
-        let off_m = |at: usize| (mouth_m - self.views[at].0).norm();
+        let off_m = |at: usize| (mouth_m - self.views[at].from_m).norm();
         let nearest = (0..self.views.len()).min_by(|a, b| off_m(*a).total_cmp(&off_m(*b)))?;
         if nearest == 0 || nearest + 1 == self.views.len() || off_m(nearest) < 0.5 * width_m {
             return None;
         }
-        let at_m = self.views[nearest].0;
+        let at_m = self.views[nearest].from_m;
         let towards = mouth_m - at_m;
         let within_rad = (0.5 * WITHIN_MOUTH * width_m / towards.norm()).atan();
-        let around = self.views.range(nearest - 1..=nearest + 1).flat_map(|(_, points_m)| points_m.iter());
+        let around = self.views.range(nearest - 1..=nearest + 1).flat_map(|view| view.walls_m.iter());
         let inside = around.map(|point_m| point_m - at_m).filter(|to| to.angle(&towards) < within_rad);
         let depth_m = inside.map(|to| to.norm()).max_by(f64::total_cmp)?;
         // What is nearer than the mouth hides what lies in it.
