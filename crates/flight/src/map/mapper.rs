@@ -6,11 +6,12 @@ use std::sync::Arc;
 use crosscut_stage::{Frame, PoseDoubt, wrap_angle_rad};
 use nalgebra::{Isometry2, Matrix3, Point2, Vector3};
 
+use super::Map;
 use super::outline::Walls;
+use super::passed::Passed;
 use super::recognise::Guess;
 use super::travelled::Travelled;
 use super::visit::{OpenVisit, Visit};
-use super::{Map, Passage};
 use crate::line_points::line_points;
 use crate::{Edge, FlightAnswer, HereKind, PoseGraph};
 
@@ -18,25 +19,6 @@ use crate::{Edge, FlightAnswer, HereKind, PoseGraph};
 /// dead end, only once it is certain by which side the vehicle leaves.
 const LEFT_M: f64 = 1.0;
 const LEFT_DEAD_END_M: f64 = 5.0;
-
-/// Between two visits of one node, a passage is longer than this.
-const TURN_M: f64 = 8.0;
-
-/// Two visits in a row are one stay if all of the way between them is nearer to the first than this many looks: where the
-/// vehicle was in the middle of the place on neither visit, on one, on both.
-const NEAR_LOOKS: [f64; 3] = [1.2, 0.9, 0.6];
-
-/// A vehicle that comes back to the node that it left, by a way no longer than this many looks, only turned.
-const TURN_LOOKS: f64 = 1.5;
-
-/// Two visits in a row that are nearer to each other than this many looks are one stay, whatever ways they saw.
-const SURELY_NEAR_LOOKS: f64 = 0.5;
-
-/// A mouth of one visit is one of another if it lies within this of its direction.
-const SAME_MOUTH_RAD: f64 = 0.6;
-
-/// A mouth that is nearer to an anchor than this many of its looks need not be a mouth from there.
-const MOUTH_OUTSIDE: f64 = 0.7;
 
 /// Where an anchor lies in its place, standard deviation.
 const ANCHOR_M: f64 = 0.1;
@@ -50,6 +32,10 @@ const UNKNOWN_RAD: f64 = 3.0;
 pub struct Mapper {
     pub(super) map: Map,
     open: Option<OpenVisit>,
+    /// A visit that has ended at a place that was seen from its edge alone, until the vehicle is beyond it; and where the vehicle
+    /// left to.
+    passing: Option<(OpenVisit, Isometry2<f64>)>,
+    pub(super) passed: Passed,
     /// Each visit's anchor, and what was measured between them. Poses are corrected, measurements are not.
     pub(super) graph: PoseGraph,
     /// How each edge of the graph was flown.
@@ -115,17 +101,17 @@ pub(super) struct Departure {
     was_taken: bool,
     /// The vehicle was beyond the look since: the way is certain.
     is_settled: bool,
-    has_middle: bool,
+    pub(super) has_middle: bool,
     pub(super) visit: usize,
     pub(super) look_m: f64,
     /// The anchor as it was tracked.
     pub(super) tracked: Isometry2<f64>,
     /// The way of the flight there.
     pub(super) at_m: f64,
-    left_ns: u64,
+    pub(super) left_ns: u64,
     doubt: PoseDoubt,
     /// Where its ways begin, as they were tracked.
-    mouths_m: Vec<Point2<f64>>,
+    pub(super) mouths_m: Vec<Point2<f64>>,
 }
 
 impl Mapper {
@@ -141,6 +127,12 @@ impl Mapper {
         }
         self.doubt = doubt;
         self.way.add(pose);
+        let lines = || {
+            let mut points = Vec::new();
+            line_points(&frame.revolution.points_m, 1, &mut points);
+            points
+        };
+        self.passed.add(pose, lines);
         self.settle(Point2::from(pose.translation.vector));
         let node = steady.node();
         let place_m = Point2::from(pose.translation.vector);
@@ -158,7 +150,14 @@ impl Mapper {
         let follows =
             node.is_some() && self.open.as_ref().is_some_and(|open| Some(open.kind()) == node && has_ended(open));
         if self.open.as_ref().is_some_and(has_ended) {
+            let is_of_its_edge = |open: &mut OpenVisit| open.kind() == HereKind::Junction && !open.has_middle();
+            let passing = self.open.take_if(|open| node.is_none() && is_known && is_of_its_edge(open));
+            self.passing = passing.map(|open| (open, pose));
             self.end_visit(self.in_node_ns, Some(pose));
+        }
+        let is_behind = |(open, _): &(OpenVisit, _)| node.is_some() || !is_known || open.is_behind(&pose);
+        if self.passing.as_ref().is_some_and(is_behind) {
+            self.end_passing();
         }
         let Some(seen) = &flown.here else { return };
         if let Some(node) = node {
@@ -171,11 +170,7 @@ impl Mapper {
             let last_m = self.last.as_ref().map(|last| Point2::from(last.tracked.translation.vector));
             let follows = last_m.filter(|_| follows);
             let open = self.open.get_or_insert_with(|| OpenVisit::new(node, now_ns, came_from, follows));
-            open.add(now_ns, pose, self.way.way_m, seen, || {
-                let mut points = Vec::new();
-                line_points(&frame.revolution.points_m, 1, &mut points);
-                points
-            });
+            open.add(now_ns, pose, self.way.way_m, seen, lines);
         } else if let Some(width_m) = seen.ways.iter().map(|way| way.width_m).min_by(f64::total_cmp) {
             self.way.widths_m = [self.way.widths_m[0] + width_m, self.way.widths_m[1] + 1.0];
         }
@@ -215,15 +210,27 @@ impl Mapper {
 
     fn ended(&self) -> Self {
         let mut ended = self.clone();
+        ended.end_passing();
         ended.end_visit(self.in_node_ns, None);
         ended
     }
 
     /// How the poses that follow lie to those before is not known: the vehicle came to the next place by no way that is.
     fn end_stretch(&mut self) {
+        self.end_passing();
         self.end_visit(self.in_node_ns, None);
         self.last = None;
         self.way.begin_again();
+        self.passed.clear();
+    }
+
+    /// Ends the visit to the place that the vehicle is passing, if there is any.
+    fn end_passing(&mut self) {
+        if let Some((open, left_to)) = self.passing.take() {
+            let open = self.open.replace(open);
+            self.end_visit(self.in_node_ns, Some(left_to));
+            self.open = open;
+        }
     }
 
     /// Ends the visit that is open, if there is any. `left_to`: where the vehicle is now, if it has left.
@@ -243,6 +250,9 @@ impl Mapper {
         {
             return;
         }
+        if left_to.is_some() && stayed.is_none() && self.is_a_pocket(&visit) {
+            return;
+        }
         let walls = Walls::new(&visit.outline);
         let number = self.graph.poses.len();
         self.graph.poses.push(predicted);
@@ -259,7 +269,8 @@ impl Mapper {
             self.graph.edges.push(Edge { from: before, to: number, measured, information });
             self.flown.push(Flown { way_m: f64::INFINITY, sd_m: None });
         }
-        let found = self.recognise(&visit, &walls, &predicted);
+        // Of a new node, this is one stay: it is no rival of the place that both may be.
+        let found = self.recognise(&visit, &walls, &predicted, stayed.filter(|&last| self.is_new(last)));
         let node = match (found, stayed) {
             (Some((candidate, runner_up)), _) => {
                 let node = self.merge(&visit, &candidate, runner_up, number);
@@ -282,22 +293,6 @@ impl Mapper {
         self.map.nodes[node].visits.push(visit.time_ns);
         self.count_ways(node, &visit, turned_rad);
         self.connect(&visit, node, turned_rad, number, left_to.is_some());
-    }
-
-    /// Whether the vehicle is still at the node that it left last: a place is what lies within the look, and the two looks
-    /// are of much the same space.
-    fn is_still_at(&self, last: &Departure, visit: &Visit, predicted: &Isometry2<f64>) -> bool {
-        let apart = self.graph.poses[last.visit].inv_mul(predicted);
-        let look_m = last.look_m.min(visit.look_m);
-        let is_alike = self.map.nodes[last.node].kind == visit.kind;
-        let near_looks = NEAR_LOOKS[usize::from(last.has_middle) + usize::from(visit.has_middle)];
-        let is_near = |off_m: f64| off_m < near_looks * look_m;
-        let mut between = self.way.via.iter().filter(|(way_m, _)| (last.at_m..visit.reached_at_m).contains(way_m));
-        let to_last = last.tracked.inverse();
-        self.flown_sd_m(last, visit).is_some()
-            && (apart.translation.vector.norm() < SURELY_NEAR_LOOKS * look_m || is_alike && has_mouths_of(last, visit))
-            && is_near(apart.translation.vector.norm())
-            && between.all(|(_, place_m)| is_near((to_last * place_m).coords.norm()))
     }
 
     /// Standard deviation of a visit's anchor as seen from that of the last one.
@@ -363,69 +358,6 @@ impl Mapper {
             last.way = way;
         }
     }
-
-    /// Adds the passage from the last node to this one, unless it is known or the vehicle only turned.
-    fn join(&mut self, last: &Departure, visit: &Visit, to: (usize, usize)) {
-        let from = (last.node, last.way);
-        let known = [from, to].map(|(node, way)| self.map.nodes[node].ways[way].passage);
-        let length_m = (visit.reached_at_m - last.at_m).max(0.0);
-        let is_turn = from.0 == to.0 && length_m < TURN_M.max(TURN_LOOKS * visit.look_m);
-        if known != [None, None] || from == to || is_turn {
-            return;
-        }
-        let passage = self.map.passages.len();
-        // A node lies where its first visit does, which need not be in the middle of the others.
-        let apart_m = |a: &Point2<f64>, b: &Point2<f64>| (a - b).norm();
-        let [start, end] =
-            [last.visit, self.graph.poses.len() - 1].map(|visit| self.graph.poses[visit] * Point2::origin());
-        let [first, second] = [from.0, to.0].map(|node| self.map.nodes[node].position_m);
-        let length_m = (length_m + apart_m(&first, &second) - apart_m(&start, &end)).max(0.0);
-        // Between two places that touch nothing was measured.
-        let narrower_m = || {
-            [from, to]
-                .map(|(node, way)| self.map.nodes[node].ways[way].width_m)
-                .into_iter()
-                .fold(f64::INFINITY, f64::min)
-        };
-        let [sum_m, count] = self.way.widths_m;
-        let width_m = if count > 0.0 { sum_m / count } else { narrower_m() };
-        let to_last = last.tracked.inverse();
-        let between = self.way.via.iter().filter(|(way_m, _)| (last.at_m..visit.reached_at_m).contains(way_m));
-        let via_m = between.map(|(_, place_m)| to_last * place_m).collect();
-        self.courses.push((last.visit, via_m));
-        self.map.passages.push(Passage {
-            from: from.0,
-            to: to.0,
-            length_m,
-            length_sd_m: self.flown_sd_m(last, visit),
-            width_m,
-            stretch_ns: [last.left_ns, visit.time_ns[0]],
-            via_m: Vec::new(),
-        });
-        for (node, way) in [from, to] {
-            self.map.nodes[node].ways[way].passage = Some(passage);
-        }
-    }
-}
-
-/// Whether a visit saw the mouths that the one before saw, or the other way round, of those that are not within the other's
-/// look: two places that stand close each have a mouth of their own.
-fn has_mouths_of(last: &Departure, visit: &Visit) -> bool {
-    let sees = |anchor: &Isometry2<f64>, look_m: f64, own_m: &[Point2<f64>], other_m: &[Point2<f64>]| {
-        let bearing_rad = |mouth_m: &Point2<f64>| {
-            let seen = anchor.inverse() * mouth_m;
-            seen.y.atan2(seen.x)
-        };
-        let own_rad: Vec<f64> = own_m.iter().map(bearing_rad).collect();
-        let is_outside = |mouth_m: &&Point2<f64>| (anchor.inverse() * *mouth_m).coords.norm() > MOUTH_OUTSIDE * look_m;
-        other_m.iter().filter(is_outside).all(|mouth_m| {
-            let bearing_rad = bearing_rad(mouth_m);
-            own_rad.iter().any(|own_rad| wrap_angle_rad(own_rad - bearing_rad).abs() < SAME_MOUTH_RAD)
-        })
-    };
-    let mouths_m = visit.mouths_m();
-    sees(&visit.anchor, visit.look_m, &mouths_m, &last.mouths_m)
-        || sees(&last.tracked, last.look_m, &last.mouths_m, &mouths_m)
 }
 
 /// The way nearest to a direction.

@@ -5,8 +5,11 @@ mod mapper;
 mod no_place;
 mod nodes;
 mod outline;
+mod passages;
+mod passed;
 mod recognise;
 mod seen;
+mod stay;
 mod travelled;
 mod visit;
 

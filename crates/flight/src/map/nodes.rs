@@ -211,27 +211,6 @@ impl Mapper {
         self.drop_passages_twice();
         into
     }
-
-    /// Drops passages that no way leads to: the same one from the same way, seen twice.
-    fn drop_passages_twice(&mut self) {
-        while let Some(gone) = (0..self.map.passages.len()).find(|&passage| !self.is_of_both_ends(passage)) {
-            self.map.passages.remove(gone);
-            self.courses.remove(gone);
-            for way in self.map.nodes.iter_mut().flat_map(|node| &mut node.ways) {
-                way.passage = match way.passage {
-                    Some(passage) if passage > gone => Some(passage - 1),
-                    Some(passage) if passage == gone => None,
-                    other => other,
-                };
-            }
-        }
-    }
-
-    fn is_of_both_ends(&self, passage: usize) -> bool {
-        let is_of = |node: usize| self.map.nodes[node].ways.iter().any(|way| way.passage == Some(passage));
-        let of = &self.map.passages[passage];
-        is_of(of.from) && is_of(of.to)
-    }
 }
 
 fn new_way(bearing_rad: f64, width_m: f64) -> NodeWay {

@@ -66,17 +66,18 @@ pub(super) struct Candidate {
 }
 
 impl Mapper {
-    /// The node that a visit is to, and the share of the runner-up; `None` if it is to none, or if two are alike.
+    /// The node that a visit is to, other than `but`, and the share of the runner-up; `None` if it is to none, or if two are alike.
     pub(super) fn recognise(
         &mut self,
         visit: &Visit,
         walls: &Walls,
         predicted: &Isometry2<f64>,
+        but: Option<usize>,
     ) -> Option<(Candidate, Option<f64>)> {
         let (mut candidates, mut guesses): (Vec<Candidate>, Vec<Candidate>) = (Vec::new(), Vec::new());
         let flown = self.flown_to_last();
         for (node, place) in self.places.iter().enumerate() {
-            if self.map.nodes[node].kind != visit.kind {
+            if self.map.nodes[node].kind != visit.kind || Some(node) == but {
                 continue;
             }
             let Flown { way_m: since_m, sd_m } = flown[place.first_visit];

@@ -51,6 +51,12 @@ impl Travelled {
         *self = Self { way_m: self.way_m, ..Self::default() };
     }
 
+    /// Mean width since the last node.
+    pub(super) fn width_m(&self) -> Option<f64> {
+        let [sum_m, count] = self.widths_m;
+        (count > 0.0).then(|| sum_m / count)
+    }
+
     /// A place a few metres back.
     pub(super) fn came_from(&self) -> Option<Point2<f64>> {
         self.trail_m.front().copied()

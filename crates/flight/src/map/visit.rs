@@ -157,6 +157,18 @@ impl OpenVisit {
         self.samples.iter().map(|sample| sample.sure).sum::<f64>() >= LEAST_BELIEF
     }
 
+    /// Whether the vehicle was in the middle of the place, for long enough to see it from there alone.
+    pub(crate) fn has_middle(&self) -> bool {
+        let in_middle = self.samples.iter().filter(|sample| sample.is_middle);
+        in_middle.map(|sample| sample.sure).sum::<f64>() >= LEAST_BELIEF
+    }
+
+    /// Whether what was seen of this place lies behind.
+    pub(crate) fn is_behind(&self, pose: &Isometry2<f64>) -> bool {
+        let off_m = |sample: &Sample| (sample.pose.translation.vector - pose.translation.vector).norm();
+        self.samples.iter().all(|sample| off_m(sample) > sample.look_m)
+    }
+
     /// The stay as a whole, if it is believed. Of the numbers of ways that were seen the one with the most confidence
     /// holds. The ways are those of the revolution nearest to the middle of the place that saw this number. `left_to`: where
     /// the vehicle is now, if it has left.
@@ -165,8 +177,7 @@ impl OpenVisit {
             return None;
         }
         // From its middle a place is seen as it is; from its edge the next one may be seen with it.
-        let in_middle = self.samples.iter().filter(|sample| sample.is_middle);
-        let has_middle = in_middle.map(|sample| sample.sure).sum::<f64>() >= LEAST_BELIEF;
+        let has_middle = self.has_middle();
         self.samples.retain(|sample| sample.is_middle || !has_middle);
         let mut belief: BTreeMap<usize, f64> = BTreeMap::new();
         for sample in &self.samples {

@@ -189,20 +189,40 @@ fn junctions_ten_metres_apart_are_nodes_of_their_own() {
     let edges = [(0, 1), (1, 2), (2, 3), (3, 4), (1, 5), (2, 6), (3, 7)];
     let edges = edges.map(|(from, to)| format!(r#"{{"from":{from},"to":{to},"width_m":4}}"#)).join(",");
     let plan = format!(r#"{{"nodes":[{}],"edges":[{edges}]}}"#, nodes.collect::<Vec<_>>().join(","));
-    let scenes = Plan::from_json(&plan).and_then(|plan| plan.fly(1)).expect("a plan");
+    let (map, differences) = map_of(&plan, |_| true);
+    assert!(differences.is_empty(), "{}: {differences:#?}", map.summary());
+}
+
+#[test]
+fn a_pocket_beyond_a_bend_is_no_way() {
+    // Straight on at the bend, the wall is 6.6 m away: within the look from there, beyond it from either side.
+    let plan = r#"{"nodes":[{"id":0,"x_m":-45,"y_m":0},{"id":1,"x_m":0,"y_m":0},{"id":2,"x_m":0,"y_m":-45},
+        {"id":3,"x_m":6.6,"y_m":1}],"edges":[{"from":0,"to":1,"width_m":5.6},{"from":1,"to":2,"width_m":5.6},
+        {"from":1,"to":3,"width_m":5.6}],"roughness_m":0.15}"#;
+    let (map, differences) = map_of(plan, |place_m| place_m.y > -35.0);
+    assert!(differences.is_empty(), "{}: {differences:#?}", map.summary());
+}
+
+/// The map of a flight through a plan for as long as it is in places that `lasts` is true of, and what is wrong with it.
+fn map_of(plan: &str, lasts: impl Fn(Point) -> bool) -> (Map, Vec<String>) {
+    let scenes = Plan::from_json(plan).and_then(|plan| plan.fly(1)).expect("a plan");
     let mut mapper = Mapper::default();
     let mut truth: Option<MapTruth> = None;
     let follower = &mut Follower::default();
     for scene in scenes {
+        let pose = scene.truth.pose.expect("a scene of a flight");
+        if !lasts(Point::new(pose.x_m, pose.y_m)) {
+            break;
+        }
         let frame = follower.follow(&scene);
         mapper.add(frame);
         let mine = scene.map.as_ref();
         let truth = truth.get_or_insert_with(|| MapTruth::from(mine.expect("a flight begins with its map")));
-        truth.add(frame.revolution.stamp_ns, &scene.truth.pose.expect("a scene of a flight"));
+        truth.add(frame.revolution.stamp_ns, &pose);
     }
     let map = mapper.map();
-    let differences: Vec<String> = truth.expect("a scene").differences(&map).iter().map(ToString::to_string).collect();
-    assert!(differences.is_empty(), "{}: {differences:#?}", map.summary());
+    let differences = truth.expect("a scene").differences(&map);
+    (map, differences)
 }
 
 #[test]

@@ -1,0 +1,118 @@
+//! Passages of the map: added, divided by a place that is found later, dropped.
+
+use nalgebra::Point2;
+
+use super::mapper::Departure;
+use super::visit::Visit;
+use super::{Mapper, Passage};
+
+/// Between two visits of one node, a passage is longer than this.
+const TURN_M: f64 = 8.0;
+
+/// A vehicle that comes back to the node that it left, by a way no longer than this many looks, only turned.
+const TURN_LOOKS: f64 = 1.5;
+
+impl Mapper {
+    /// A new place before the end of a known passage, nearer than this, divides it: what is known of it leads elsewhere.
+    fn divide(&mut self, (from, by): (usize, usize), (to, came_by): (usize, usize), nearer_m: f64) {
+        let is_first = self.map.nodes[to].visits.len() == 1 && self.map.nodes[to].ways[came_by].passage.is_none();
+        let Some(passage) = self.map.nodes[from].ways[by].passage.filter(|_| is_first) else { return };
+        if nearer_m < self.map.passages[passage].length_m {
+            self.map.nodes[from].ways[by].passage = None;
+            self.drop_passages_twice();
+        }
+    }
+
+    /// Adds the passage from the last node to this one, unless it is known or the vehicle only turned.
+    pub(super) fn join(&mut self, last: &Departure, visit: &Visit, to: (usize, usize)) {
+        let from = (last.node, last.way);
+        let length_m = (visit.reached_at_m - last.at_m).max(0.0);
+        self.divide(from, to, length_m + visit.look_m);
+        let known = [from, to].map(|(node, way)| self.map.nodes[node].ways[way].passage);
+        let is_turn = from.0 == to.0 && length_m < TURN_M.max(TURN_LOOKS * visit.look_m);
+        if known != [None, None] || from == to || is_turn {
+            return;
+        }
+        let passage = self.map.passages.len();
+        // A node lies where its first visit does, which need not be in the middle of the others.
+        let apart_m = |a: &Point2<f64>, b: &Point2<f64>| (a - b).norm();
+        let [start, end] =
+            [last.visit, self.graph.poses.len() - 1].map(|visit| self.graph.poses[visit] * Point2::origin());
+        let [first, second] = [from.0, to.0].map(|node| self.map.nodes[node].position_m);
+        let length_m = (length_m + apart_m(&first, &second) - apart_m(&start, &end)).max(0.0);
+        // Between two places that touch nothing was measured.
+        let narrower_m = || {
+            [from, to]
+                .map(|(node, way)| self.map.nodes[node].ways[way].width_m)
+                .into_iter()
+                .fold(f64::INFINITY, f64::min)
+        };
+        let width_m = self.way.width_m().unwrap_or_else(narrower_m);
+        let to_last = last.tracked.inverse();
+        let between = self.way.via.iter().filter(|(way_m, _)| (last.at_m..visit.reached_at_m).contains(way_m));
+        let via_m = between.map(|(_, place_m)| to_last * place_m).collect();
+        self.courses.push((last.visit, via_m));
+        self.map.passages.push(Passage {
+            from: from.0,
+            to: to.0,
+            length_m,
+            length_sd_m: self.flown_sd_m(last, visit),
+            width_m,
+            stretch_ns: [last.left_ns, visit.time_ns[0]],
+            via_m: Vec::new(),
+        });
+        for (node, way) in [from, to] {
+            self.map.nodes[node].ways[way].passage = Some(passage);
+        }
+    }
+
+    /// Drops passages that no way leads to: the same one from the same way, seen twice.
+    pub(super) fn drop_passages_twice(&mut self) {
+        while let Some(gone) = (0..self.map.passages.len()).find(|&passage| !self.is_of_both_ends(passage)) {
+            self.map.passages.remove(gone);
+            self.courses.remove(gone);
+            for way in self.map.nodes.iter_mut().flat_map(|node| &mut node.ways) {
+                way.passage = match way.passage {
+                    Some(passage) if passage > gone => Some(passage - 1),
+                    Some(passage) if passage == gone => None,
+                    other => other,
+                };
+            }
+        }
+    }
+
+    fn is_of_both_ends(&self, passage: usize) -> bool {
+        let is_of = |node: usize| self.map.nodes[node].ways.iter().any(|way| way.passage == Some(passage));
+        let of = &self.map.passages[passage];
+        is_of(of.from) && is_of(of.to)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::map::{Node, NodeWay};
+    use crate::{HereKind, Mapper};
+
+    #[test]
+    fn a_place_before_the_end_of_a_known_passage_divides_it() {
+        let node = |passage: Option<usize>| Node {
+            kind: HereKind::Junction,
+            position_m: Point2::origin(),
+            ways: vec![NodeWay { bearing_rad: 0.0, width_m: 4.0, taken: true, passage }],
+            visits: vec![[0, 1]],
+        };
+        for (nearer_m, left) in [(20.0, 0), (39.0, 0), (41.0, 1)] {
+            let mut mapper = Mapper::default();
+            mapper.map.nodes = vec![node(Some(0)), node(Some(0)), node(None)];
+            let (from, to, length_m, width_m) = (0, 1, 40.0, 4.0);
+            let (length_sd_m, stretch_ns, via_m) = (None, [0, 1], Vec::new());
+            mapper.map.passages = vec![Passage { from, to, length_m, length_sd_m, width_m, stretch_ns, via_m }];
+            mapper.courses = vec![(0, Vec::new())];
+            mapper.divide((0, 0), (2, 0), nearer_m);
+            let leads = |node: &Node| node.ways[0].passage.is_some();
+            assert_eq!(mapper.map.passages.len(), left, "nearer than {nearer_m} m");
+            assert_eq!(mapper.map.nodes.iter().filter(|node| leads(node)).count(), 2 * left);
+        }
+    }
+}
