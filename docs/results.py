@@ -63,8 +63,10 @@ def corridors(path: Path) -> dict:
     right = [counted[Path(label["file"]).stem][int(label["scan"])] == int(label["walls"]) for label in labels]
     figures: dict = {"labelled": len(right), "labelled_right": sum(right), "revolutions": {}, "differ": {}, "percent": {}}
     for page in sorted(path.glob("corridor_*.html")):
-        name = page.stem.removeprefix("corridor_")
-        revolutions, differ = map(int, re.search(r"<p>(\d+) revolutions .*before and after: (\d+) ", page.read_text(), re.DOTALL).groups())
+        name, text = page.stem.removeprefix("corridor_"), page.read_text()
+        revolutions = int(re.search(r"<p>(\d+) revolutions ", text)[1])
+        look = re.search(r"Look at the (\d+) \(", text)
+        differ = int(look[1]) if look else 0
         figures["revolutions"][name], figures["differ"][name] = revolutions, differ
         figures["percent"][name] = round(100 * differ / revolutions, 1)
     return figures
