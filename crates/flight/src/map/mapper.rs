@@ -310,11 +310,18 @@ impl Mapper {
         let (came_by, leaves_by) = (way_of(visit.came_from), way_of(visit.left_to));
         // A flight may begin within its first node.
         let began_m = self.way.via.first().map_or(0.0, |(_, place_m)| (visit.anchor.inverse() * place_m).coords.norm());
-        if self.last.is_some() || began_m > visit.came_from.coords.norm() + LEFT_M {
-            self.map.nodes[node].ways[came_by].taken = true;
-        }
-        if let Some(last) = self.last.take() {
-            self.join(&last, visit, (node, came_by));
+        match self.last.take() {
+            // The vehicle never left: of this stay, neither the end before nor this beginning is in a way.
+            Some(last) if last.node == node && !last.is_settled => {
+                self.map.nodes[node].ways[last.way].taken = last.was_taken;
+            }
+            Some(last) => {
+                self.map.nodes[node].ways[came_by].taken = true;
+                self.join(&last, visit, (node, came_by));
+            }
+            None => {
+                self.map.nodes[node].ways[came_by].taken |= began_m > visit.came_from.coords.norm() + LEFT_M;
+            }
         }
         let was_taken = self.map.nodes[node].ways[leaves_by].taken;
         self.map.nodes[node].ways[leaves_by].taken |= left;
