@@ -161,7 +161,7 @@ fn a_wide_place_is_left_by_the_way_beyond_the_look() {
 #[test]
 fn a_way_looked_into_from_a_wide_place_and_not_left_by_is_not_taken() {
     use HereKind::{Junction, Passage};
-    let stays = [(6.0, Passage), (12.0, Junction), (15.0, Passage), (18.0, Junction), (60.0, Passage)];
+    let stays = [(10.8, Passage), (12.2, Junction), (15.0, Passage), (18.0, Junction), (60.0, Passage)];
     // 3 m to the left within the look, back, and straight on.
     let map = flown(&stays, 8.0, |way_m| match way_m {
         ..12.0 => [way_m, 0.0],
