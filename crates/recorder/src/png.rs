@@ -11,7 +11,7 @@ const FILTER_BYTES: usize = 1;
 /// The filter of a row that holds differences to the row above.
 const DIFFERENCE_TO_ROW_ABOVE: u8 = 2;
 
-/// A picture is bright if at least one pixel in so many was set.
+/// A picture is bright if at least one pixel in this many was set.
 const BRIGHT: usize = 16;
 
 /// Encodes pictures.

@@ -133,7 +133,7 @@ impl Search<'_> {
             let ends = [piece[0], piece[piece.len() - 1]];
             piece.iter().all(|&i| ends.iter().all(|&end| !ring.are_apart(end, i, self.lengths.island_m)))
         };
-        let seen_at_rad = |piece: &[usize]| ring.beams_from(piece[0], piece[piece.len() - 1]) as f64 * ring.step_rad;
+        let seen_at_rad = |piece: &[usize]| ring.span_rad(piece[0], piece[piece.len() - 1]);
         let is_before = |piece: &[usize], end: End, next: &[usize]| {
             self.hides(piece, end, next) || self.stands_in_dark(piece, end, next)
         };

@@ -144,6 +144,12 @@ impl Ring {
         if from <= to { to - from } else { to + self.beams.len() - from }
     }
 
+    /// The angle at the sensor from one return anticlockwise to another, radians.
+    #[inline]
+    pub fn span_rad(&self, from: usize, to: usize) -> f64 {
+        self.beams_from(from, to) as f64 * self.step_rad
+    }
+
     /// The distance between two returns, divided by the number of beams between them.
     #[inline]
     pub fn spacing_m(&self, i: usize, j: usize) -> f64 {

@@ -140,7 +140,7 @@ impl Alike {
         is_alike
     }
 
-    /// How many were counted since this was told.
+    /// How many were counted since the last report.
     fn told(&mut self) -> String {
         match std::mem::take(&mut self.more) {
             0 => String::new(),

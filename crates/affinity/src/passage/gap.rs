@@ -123,7 +123,6 @@ impl<'p> Gap<'p> {
         let [p_m, q_m] = ends.map(|end| ring.range_m(end));
         let turns_rad @ [first_rad, second_rad] = turns_rad(directions, chord);
         let [near_rad, far_rad] = if first_is_nearer { turns_rad } else { [second_rad, first_rad] };
-        let span_rad = span_rad(context, ends);
         let Clearance { clear_m, depth_m } = Clearance::at(chord, directions, first_is_nearer);
         let mut gap = Self {
             context,
@@ -134,7 +133,7 @@ impl<'p> Gap<'p> {
             far_m: p_m.max(q_m),
             directions,
             chord,
-            turns: Turns { near_rad, far_rad, whole_rad: whole_turn_rad(turns_rad, span_rad) },
+            turns: Turns { near_rad, far_rad, whole_rad: whole_turn_rad(turns_rad, ring.span_rad(p, q)) },
             clear_m,
             depth_m,
             dark_beams: ring.dark_between(p, q),
@@ -215,11 +214,6 @@ impl<'p> Gap<'p> {
         self.chord.norm()
     }
 
-    /// The angle at the sensor from the one end to the other.
-    fn span_rad(&self) -> f64 {
-        span_rad(self.context, self.ends)
-    }
-
     /// The angle in which nothing is seen.
     pub(super) fn dark_rad(&self) -> f64 {
         f64::from(self.dark_beams) * self.context.scan.ring.step_rad
@@ -232,7 +226,7 @@ impl<'p> Gap<'p> {
             return false;
         }
         let (scan, (far, end)) = (self.context.scan, self.farther());
-        let span_rad = scan.ring.beams_from(far[0], far[far.len() - 1]) as f64 * scan.ring.step_rad;
+        let span_rad = scan.ring.span_rad(far[0], far[far.len() - 1]);
         span_rad > OTHER_SIDE_RAD
             && direction(&scan.ring, &scan.roughness, far, end, OTHER_SIDE_M).dot(&self.chord) < 0.0
     }
@@ -244,10 +238,10 @@ impl<'p> Gap<'p> {
 
     /// How much the wall turns in all by the directions of its ends over the stretch of a face.
     pub(super) fn face_turn_rad(&self) -> f64 {
-        let (scan, [a, b]) = (self.context.scan, self.pieces);
+        let (scan, [a, b], [p, q]) = (self.context.scan, self.pieces, self.ends);
         let directions = [(a, End::Last), (b, End::First)]
             .map(|(piece, end)| direction(&scan.ring, &scan.roughness, piece, end, FACE_M));
-        whole_turn_rad(turns_rad(directions, self.chord), self.span_rad())
+        whole_turn_rad(turns_rad(directions, self.chord), scan.ring.span_rad(p, q))
     }
 
     /// Whether at most one beam looks into the gap, over an angle so narrow that this does not mean that nothing is
@@ -266,8 +260,8 @@ impl<'p> Gap<'p> {
 
     /// The angle over which the nearer wall is seen.
     pub(super) fn near_span_rad(&self) -> f64 {
-        let (ring, (near, _)) = (&self.context.scan.ring, self.nearer());
-        ring.beams_from(near[0], near[near.len() - 1]) as f64 * ring.step_rad
+        let (near, _) = self.nearer();
+        self.context.scan.ring.span_rad(near[0], near[near.len() - 1])
     }
 
     /// The direction in which the nearer wall runs towards its end.
@@ -300,12 +294,6 @@ pub(super) fn ends_run(
 /// How much a wall turns left at the one end of a gap and at the other.
 fn turns_rad([before, after]: [Position; 2], chord: Position) -> [f64; 2] {
     [turn_rad(before, chord), turn_rad(chord, after)]
-}
-
-/// The angle at the sensor from the first end of a gap to the second.
-fn span_rad(context: &ScanContext<'_>, [p, q]: [usize; 2]) -> f64 {
-    let ring = &context.scan.ring;
-    ring.beams_from(p, q) as f64 * ring.step_rad
 }
 
 /// How far the wall turns left in all; around a tip it may turn right by more than π. A wall across more than half of what

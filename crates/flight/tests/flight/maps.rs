@@ -218,7 +218,7 @@ fn a_pocket_beyond_a_bend_is_no_way() {
     assert!(differences.is_empty(), "{}: {differences:#?}", map.summary());
 }
 
-/// The map of a flight through a plan for as long as it is in places that `lasts` is true of, and what is wrong with it.
+/// The map of a flight through a plan as long as `lasts` is true of its places, and the errors of that map.
 fn map_of(plan: &str, lasts: impl Fn(Point) -> bool) -> (Map, Vec<String>) {
     let scenes = Plan::from_json(plan).and_then(|plan| plan.fly(1)).expect("a plan");
     let mut mapper = Mapper::default();

@@ -9,7 +9,7 @@ use rerun::{ComponentDescriptor, EncodedDepthImage, Tensor, TensorBuffer, compon
 use super::flight::numbers;
 use crate::schema;
 
-/// What the stages made of a revolution, as far as it is recorded: numbers that are equal where they made the same.
+/// What the recording has of the output of the stages for a revolution: numbers that are equal where the outputs are equal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Made {
     /// Number of returns, by ingest.

@@ -64,7 +64,7 @@ pub(super) fn words(flown: &Flown) -> String {
     )
 }
 
-/// What was told, in Markdown, without the times: another run would not repeat them.
+/// The printed outcome, in Markdown, without the times: another run would not repeat them.
 #[cfg_attr(not(feature = "rerun"), allow(dead_code))] // recordings need the feature
 pub(super) fn markdown(flown: &Flown) -> String {
     let [became, least, map] = parts(flown);

@@ -1,4 +1,4 @@
-//! The widths of the vehicle for which the count is told to hold, against runs with vehicles of these widths.
+//! The widths of the vehicle for which the count is reported to hold, against runs with vehicles of these widths.
 
 use proptest::prelude::{ProptestConfig, prop_assert, prop_assert_eq, proptest};
 
