@@ -1,8 +1,5 @@
 //! The walls around the vehicle, as line points in square cells.
 
-use std::collections::HashMap;
-use std::hash::{BuildHasherDefault, Hasher};
-
 use nalgebra::Point2;
 
 use crate::line_points::LinePoint;
@@ -16,11 +13,66 @@ const MAX_IN_CELL: usize = 16;
 /// Line points nearer to one that is there than this add nothing.
 const LEAST_APART_M: f64 = 0.08;
 
+/// Line points face the same way if the cosine of the angle between their normals is more than this.
+const ALIKE: f64 = 0.7;
+
+/// Up to this angle that a line point turns, the cosine changes by less, rad.
+pub(crate) const TURNED_RAD: f64 = 0.1;
+
+/// What faces the same way by so much still does after such a turn; what does not by so much does not after two of them.
+const SURELY_ALIKE: f64 = ALIKE + TURNED_RAD;
+const PERHAPS_ALIKE: f64 = ALIKE - 2.0 * TURNED_RAD;
+
+/// So many line points are kept as the nearest of a place.
+const NEAREST: usize = 4;
+
+/// Distances are compared with this much to spare, for rounding.
+pub(crate) const ROUNDING_M: f64 = 1e-9;
+
+/// The table of cells repeats itself each time after so many cells along either axis; a power of two.
+const TABLE: i32 = 64;
+
+/// No cell.
+const NONE: u32 = u32::MAX;
+
 /// Line points seen within a few scans of each other.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LocalMap {
-    /// Nothing depends on the order of the cells.
-    cells: HashMap<[i32; 2], Vec<LinePoint>, BuildHasherDefault<CellHasher>>,
+    /// For each place in the table, the first of the cells that have it. Empty until there is a cell.
+    first: Vec<u32>,
+    cells: Vec<Cell>,
+    /// [`MAX_IN_CELL`] for each cell, of which the first ones count.
+    points: Vec<LinePoint>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Cell {
+    at: [i32; 2],
+    /// How many line points it has.
+    len: usize,
+    /// The next cell that has the same place in the table.
+    next: u32,
+}
+
+/// The line points nearest to a place that may face the same way, ascending by distance.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Near {
+    /// As indices of the map's.
+    points: [u32; NEAREST],
+    len: usize,
+    /// All others are no nearer to the place than this.
+    pub(crate) others_m: f64,
+}
+
+/// The nearest line point within a cell's side that faces the same way.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Nearest<'a> {
+    pub(crate) wall: Option<&'a LinePoint>,
+    /// Its distance; a cell's side without it.
+    pub(crate) apart_m: f64,
+    /// While what it was looked up for moves by less than this and turns by less than [`TURNED_RAD`], it is the nearest of
+    /// those that were asked.
+    pub(crate) holds_m: f64,
 }
 
 impl LocalMap {
@@ -29,45 +81,147 @@ impl LocalMap {
     }
 
     pub(crate) fn clear(&mut self) {
+        self.first.fill(NONE);
         self.cells.clear();
+        self.points.clear();
     }
 
     pub(crate) fn insert(&mut self, point: LinePoint) {
-        let cell = self.cells.entry(cell_of(&point.position_m)).or_default();
+        let at = cell_of(&point.position_m);
+        let cell = self.find(at).unwrap_or_else(|| self.add_cell(at, &point));
+        let (first, len) = (cell * MAX_IN_CELL, self.cells[cell].len);
         let is_new = |other: &LinePoint| {
             (other.position_m - point.position_m).norm() > LEAST_APART_M || other.normal.dot(&point.normal) < 0.5
         };
-        if cell.len() < MAX_IN_CELL && cell.iter().all(is_new) {
-            cell.push(point);
+        if len < MAX_IN_CELL && self.points[first..first + len].iter().all(is_new) {
+            self.points[first + len] = point;
+            self.cells[cell].len += 1;
         }
+    }
+
+    /// Adds an empty cell, with room for line points.
+    fn add_cell(&mut self, at: [i32; 2], filler: &LinePoint) -> usize {
+        self.first.resize((TABLE * TABLE) as usize, NONE);
+        let cell = self.cells.len();
+        self.cells.push(Cell { at, len: 0, next: NONE });
+        self.points.resize(self.cells.len() * MAX_IN_CELL, *filler);
+        self.link(cell);
+        cell
+    }
+
+    fn link(&mut self, cell: usize) {
+        let first = &mut self.first[place_of(self.cells[cell].at)];
+        self.cells[cell].next = std::mem::replace(first, cell as u32);
+    }
+
+    fn find(&self, at: [i32; 2]) -> Option<usize> {
+        let mut index = *self.first.get(place_of(at))?;
+        while let Some(cell) = self.cells.get(index as usize) {
+            if cell.at == at {
+                return Some(index as usize);
+            }
+            index = cell.next;
+        }
+        None
     }
 
     /// Drops what lies farther than `radius_m` from `centre_m` along either axis.
     pub(crate) fn keep_around(&mut self, centre_m: &Point2<f64>, radius_m: f64) {
         let [x, y] = cell_of(centre_m);
         let radius = (radius_m / CELL_M).ceil() as i32;
-        self.cells.retain(|cell, _| cell[0].abs_diff(x).max(cell[1].abs_diff(y)) <= radius.unsigned_abs());
+        let is_far = |at: [i32; 2]| at[0].abs_diff(x).max(at[1].abs_diff(y)) > radius.unsigned_abs();
+        if !self.cells.iter().any(|cell| is_far(cell.at)) {
+            return;
+        }
+        let mut kept = 0;
+        for cell in 0..self.cells.len() {
+            if !is_far(self.cells[cell].at) {
+                self.cells[kept] = self.cells[cell];
+                self.points.copy_within(cell * MAX_IN_CELL..(cell + 1) * MAX_IN_CELL, kept * MAX_IN_CELL);
+                kept += 1;
+            }
+        }
+        self.cells.truncate(kept);
+        self.points.truncate(kept * MAX_IN_CELL);
+        self.first.fill(NONE);
+        (0..kept).for_each(|cell| self.link(cell));
     }
 
-    /// The nearest line point within a cell's side whose normal points the same way.
+    /// The nearest line point within a cell's side that faces the same way.
     pub(crate) fn nearest(&self, point: &LinePoint) -> Option<&LinePoint> {
-        let [x, y] = cell_of(&point.position_m);
-        let (in_x_m, in_y_m) = (point.position_m.x - f64::from(x) * CELL_M, point.position_m.y - f64::from(y) * CELL_M);
-        let (mut nearest, mut least_m2) = (None, CELL_M * CELL_M);
-        // The point's own cell is first: what is found there rules out most of the others.
+        let mut nearest = None;
+        self.look_around(&point.position_m, CELL_M * CELL_M, |index, off_m2, least_m2| {
+            if self.points[index].normal.dot(&point.normal) > ALIKE {
+                (nearest, *least_m2) = (Some(index), off_m2);
+            }
+        });
+        nearest.map(|index| &self.points[index])
+    }
+
+    /// The line points around one, of those that may face the same way.
+    pub(crate) fn near(&self, point: &LinePoint) -> Near {
+        let seen_m = seen_m(&point.position_m);
+        let (mut near, mut kept_m2) = (Near::default(), [0.0f64; NEAREST]);
+        let others_m2 = self.look_around(&point.position_m, seen_m * seen_m, |index, off_m2, others_m2| {
+            if self.points[index].normal.dot(&point.normal) <= PERHAPS_ALIKE {
+                return;
+            }
+            if near.len < NEAREST {
+                near.len += 1;
+            } else {
+                *others_m2 = kept_m2[NEAREST - 1].max(off_m2);
+                if off_m2 >= kept_m2[NEAREST - 1] {
+                    return;
+                }
+            }
+            let mut at = near.len - 1;
+            while at > 0 && kept_m2[at - 1] > off_m2 {
+                (kept_m2[at], near.points[at]) = (kept_m2[at - 1], near.points[at - 1]);
+                at -= 1;
+            }
+            (kept_m2[at], near.points[at]) = (off_m2, index as u32);
+        });
+        Near { others_m: others_m2.sqrt(), ..near }
+    }
+
+    /// Calls `see` with the index and the squared distance of each line point that is nearer to a place than the root of
+    /// `within_m2`, up to what is in the cells beside the place's own. `see` may lower this bound, which is returned.
+    fn look_around(&self, place_m: &Point2<f64>, mut within_m2: f64, mut see: impl FnMut(usize, f64, &mut f64)) -> f64 {
+        let ([x, y], [in_x_m, in_y_m]) = (cell_of(place_m), in_cell_m(place_m));
+        // The place's own cell is first: what is found there rules out most of the others.
         for [dx, dy] in AROUND {
             let (beside_x_m, beside_y_m) = (beside_m(dx, in_x_m), beside_m(dy, in_y_m));
-            if beside_x_m * beside_x_m + beside_y_m * beside_y_m > least_m2 {
+            if beside_x_m * beside_x_m + beside_y_m * beside_y_m > within_m2 {
                 continue;
             }
-            for other in self.cells.get(&[x + dx, y + dy]).into_iter().flatten() {
-                let apart_m2 = (other.position_m - point.position_m).norm_squared();
-                if apart_m2 < least_m2 && other.normal.dot(&point.normal) > 0.7 {
-                    (nearest, least_m2) = (Some(other), apart_m2);
+            let Some(cell) = self.find([x + dx, y + dy]) else { continue };
+            let first = cell * MAX_IN_CELL;
+            for (index, other) in (first..).zip(&self.points[first..first + self.cells[cell].len]) {
+                let off_m2 = (other.position_m - place_m).norm_squared();
+                if off_m2 < within_m2 {
+                    see(index, off_m2, &mut within_m2);
                 }
             }
         }
-        nearest
+        within_m2
+    }
+
+    /// Of these, the nearest within a cell's side that faces the same way.
+    pub(crate) fn nearest_of(&self, near: &Near, point: &LinePoint) -> Nearest<'_> {
+        let (mut wall, mut alike, mut least_m2, mut next_m2) = (None, 1.0, CELL_M * CELL_M, f64::INFINITY);
+        for other in near.points[..near.len].iter().map(|&index| &self.points[index as usize]) {
+            let apart_m2 = (other.position_m - point.position_m).norm_squared();
+            let cosine = other.normal.dot(&point.normal);
+            if apart_m2 < least_m2 && cosine > ALIKE {
+                next_m2 = if wall.is_some() { least_m2.min(next_m2) } else { next_m2 };
+                (wall, alike, least_m2) = (Some(other), cosine, apart_m2);
+            } else {
+                next_m2 = apart_m2.min(next_m2);
+            }
+        }
+        let apart_m = least_m2.sqrt();
+        let holds_m = if alike > SURELY_ALIKE { (0.5 * (next_m2.sqrt() - apart_m)).max(0.0) } else { 0.0 };
+        Nearest { wall, apart_m, holds_m }
     }
 }
 
@@ -83,27 +237,27 @@ fn beside_m(side: i32, within_m: f64) -> f64 {
     }
 }
 
-/// Mixes the two numbers of a cell. Every scan looks up thousands of cells, and nobody chooses them to collide.
-#[derive(Default)]
-struct CellHasher(u64);
-
-impl Hasher for CellHasher {
-    fn finish(&self) -> u64 {
-        self.0 ^ (self.0 >> 32)
-    }
-
-    fn write(&mut self, bytes: &[u8]) {
-        for chunk in bytes.chunks(8) {
-            let mut word = [0; 8];
-            word[..chunk.len()].copy_from_slice(chunk);
-            self.0 = (self.0.rotate_left(26) ^ u64::from_le_bytes(word)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-        }
-    }
+/// The place of a cell in the table.
+fn place_of([x, y]: [i32; 2]) -> usize {
+    ((y & (TABLE - 1)) * TABLE + (x & (TABLE - 1))) as usize
 }
 
 fn cell_of(position_m: &Point2<f64>) -> [i32; 2] {
     // `as` saturates: a position beyond 5·10^8 m shares the last cell.
     [position_m.x, position_m.y].map(|value_m| ((value_m / CELL_M).floor() as i32).clamp(i32::MIN / 2, i32::MAX / 2))
+}
+
+/// How far within its cell a place lies along each axis.
+fn in_cell_m(place_m: &Point2<f64>) -> [f64; 2] {
+    let [x, y] = cell_of(place_m);
+    [place_m.x - f64::from(x) * CELL_M, place_m.y - f64::from(y) * CELL_M]
+}
+
+/// All that lies within this distance of a place is in its own cell or in one beside it.
+fn seen_m(place_m: &Point2<f64>) -> f64 {
+    let [side_x_m, side_y_m] = in_cell_m(place_m).map(|within_m| within_m.min(CELL_M - within_m));
+    // Beyond the last cell it is not known.
+    (CELL_M + side_x_m.min(side_y_m)).max(0.0)
 }
 
 #[cfg(test)]
@@ -143,7 +297,8 @@ mod tests {
         let spread = |i: u32, step: f64| (f64::from(i) * step).sin() * 4.0;
         let point = |i: u32| facing(spread(i, 1.7), spread(i, 2.9) - 7.0, [spread(i, 0.3), spread(i, 0.7) + 0.1]);
         (0..900).map(point).for_each(|point| map.insert(point));
-        let all: Vec<LinePoint> = map.cells.values().flatten().copied().collect();
+        let of_cell = |(at, cell): (usize, &Cell)| &map.points[at * MAX_IN_CELL..][..cell.len];
+        let all: Vec<LinePoint> = map.cells.iter().enumerate().flat_map(of_cell).copied().collect();
         let mut found = 0;
         for asked in (1000..3000).map(|i| LinePoint { position_m: point(i).position_m * 1.3, ..point(i) }) {
             let apart_m = |other: &&LinePoint| (other.position_m - asked.position_m).norm();

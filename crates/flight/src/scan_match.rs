@@ -18,7 +18,7 @@ use nalgebra::{Isometry2, Matrix2, Matrix3, Point2, Unit, Vector2, Vector3};
 
 use crosscut_stage::{Revolution, wrap_angle_rad};
 
-use crate::evidence::{Evidence, stepped};
+use crate::evidence::{Evidence, Matching, stepped};
 use crate::line_points::{LinePoint, least_axis, line_points};
 use crate::local_map::LocalMap;
 
@@ -128,6 +128,7 @@ pub enum Held {
 pub struct ScanMatcher {
     map: LocalMap,
     line_points: Vec<LinePoint>,
+    matching: Matching,
     pose: Isometry2<f64>,
     keyframe: Isometry2<f64>,
     last_step: Isometry2<f64>,
@@ -170,7 +171,8 @@ impl ScanMatcher {
             Matched { matched: 1.0, lost: false, held, ..prediction.lost() }
         } else {
             // Walls off by more than the kernel do not pull: after a slip the minimum lies near the steady motion.
-            let first = self.align(prediction.pose, &prediction);
+            self.matching.begin(self.line_points.iter().copied());
+            let first = self.align(&prediction);
             let standing = Motion { step: Isometry2::identity(), ..steady };
             let others = [(steady, NEAR), (standing, KERNEL_M)]
                 .map(|(motion, near)| (self.prediction(&motion, ODOMETRY_LEAD), near));
@@ -178,7 +180,7 @@ impl ScanMatcher {
                 let off = difference(&other.pose, &prediction.pose);
                 off.amax() > *near && off.xy().norm() < NEIGHBOURS_M
             };
-            let others = others.iter().filter(is_far).map(|(other, _)| self.align(other.pose, other));
+            let others = others.iter().filter(is_far).map(|(other, _)| self.align(other));
             // Along a smooth tunnel any motion fits, and standing fits best: the beams meet the walls where they did before.
             let is_shown = |other: &(f64, Matched)| predicted.is_none() || other.1.held == Held::Everywhere;
             let best = others.filter(is_shown).fold(first, |best, other| if other.0 < best.0 { other } else { best });
@@ -218,11 +220,11 @@ impl ScanMatcher {
         Prediction { pose: self.pose * motion.step, covariance, information, lead }
     }
 
-    /// The minimum of the sum near `start`, and its value; infinite if the pose is lost.
-    fn align(&self, start: Isometry2<f64>, prediction: &Prediction) -> (f64, Matched) {
+    /// The minimum of the sum near a prediction, and its value; infinite if the pose is lost.
+    fn align(&mut self, prediction: &Prediction) -> (f64, Matched) {
         let lost = (f64::INFINITY, prediction.lost());
-        let all = self.line_points.len() as f64;
-        let mut pose = start;
+        let all = self.matching.len() as f64;
+        let mut pose = prediction.pose;
         let mut walls = self.walls_at(&pose);
         if (walls.evidence.matched as f64) < LEAST_AT_START * all {
             return lost;
@@ -253,9 +255,9 @@ impl ScanMatcher {
         }
     }
 
-    fn walls_at(&self, pose: &Isometry2<f64>) -> Walls {
+    fn walls_at(&mut self, pose: &Isometry2<f64>) -> Walls {
         const WEIGHT: f64 = 1.0 / (DEVIATION_M * DEVIATION_M);
-        let mut evidence = Evidence::of(&self.line_points, &self.map, pose, KERNEL_M);
+        let mut evidence = self.matching.at(pose, &self.map, KERNEL_M);
         let held = take_noise_off(&mut evidence);
         evidence.cost *= WEIGHT;
         evidence.information *= WEIGHT;

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Isometry2, Matrix3, Point2, Vector2};
 
-use crate::evidence::{Evidence, stepped};
+use crate::evidence::{Evidence, Matching, stepped};
 use crate::line_points::LinePoint;
 use crate::local_map::LocalMap;
 
@@ -114,9 +114,10 @@ impl Walls {
     /// The pose near `start` where the line points of `other` lie on these walls, point to line.
     fn align(&self, other: &Self, start: Isometry2<f64>) -> Isometry2<f64> {
         let mut pose = start;
+        let mut matching = Matching::default();
+        matching.begin(other.points.iter().step_by(SEARCHED_POINTS).copied());
         for _ in 0..ITERATIONS {
-            let points = other.points.iter().step_by(SEARCHED_POINTS);
-            let Evidence { information, gradient, .. } = Evidence::of(points, &self.map, &pose, KERNEL_M);
+            let Evidence { information, gradient, .. } = matching.at(&pose, &self.map, KERNEL_M);
             let Some(factor) = (information + Matrix3::identity() * 1e-3).cholesky() else { break };
             let step = factor.solve(&-gradient);
             pose = stepped(&pose, &step);
