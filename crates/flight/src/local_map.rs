@@ -220,7 +220,10 @@ impl LocalMap {
             }
         }
         let apart_m = least_m2.sqrt();
-        let holds_m = if alike > SURELY_ALIKE { (0.5 * (next_m2.sqrt() - apart_m)).max(0.0) } else { 0.0 };
+        // Until another is as near, or the wall is too far.
+        let next_m = 0.5 * (next_m2.sqrt() - apart_m);
+        let holds_m = if wall.is_some() { next_m.min(CELL_M - apart_m) } else { next_m };
+        let holds_m = if alike > SURELY_ALIKE { (holds_m - ROUNDING_M).max(0.0) } else { 0.0 };
         Nearest { wall, apart_m, holds_m }
     }
 }
