@@ -220,9 +220,18 @@ impl Outline {
 
     /// The ray that is nearest to a bearing.
     fn at(&self, bearing_rad: f64) -> usize {
+        let turned_rad = self.after_first_rad(bearing_rad);
+        self.beside(turned_rad, self.rays.partition_point(|ray| ray.bearing_rad < turned_rad))
+    }
+
+    /// A bearing, counted from that of the first ray on over a turn.
+    fn after_first_rad(&self, bearing_rad: f64) -> f64 {
         let first_rad = self.rays[0].bearing_rad;
-        let turned_rad = first_rad + (bearing_rad - first_rad).rem_euclid(TAU);
-        let after = self.rays.partition_point(|ray| ray.bearing_rad < turned_rad);
+        first_rad + (bearing_rad - first_rad).rem_euclid(TAU)
+    }
+
+    /// The ray that is nearest to a bearing, of the one `after` it and the one before that.
+    fn beside(&self, turned_rad: f64, after: usize) -> usize {
         let (before, after) = (after.saturating_sub(1), after % self.rays.len());
         let apart_rad = |at: usize| {
             let apart_rad = (self.rays[at].bearing_rad - turned_rad).rem_euclid(TAU);
@@ -233,8 +242,16 @@ impl Outline {
 
     /// The shortest free line through the sensor.
     fn local_width_m(&self) -> f64 {
+        let mut after = 0;
         let across_m = self.rays.iter().filter_map(|ray| {
-            let back = &self.rays[self.at(ray.bearing_rad + PI)];
+            // What lies behind the rays turns as they do: the search begins where the last one ended, once a turn at the first.
+            let back_rad = self.after_first_rad(ray.bearing_rad + PI);
+            let is_before = |at: usize| self.rays.get(at).is_some_and(|other| other.bearing_rad < back_rad);
+            after = if after > 0 && !is_before(after - 1) { 0 } else { after };
+            while is_before(after) {
+                after += 1;
+            }
+            let back = &self.rays[self.beside(back_rad, after)];
             let is_known = [ray, back].iter().all(|ray| ray.end != RayEnd::Unknown);
             is_known.then_some(ray.free_m + back.free_m)
         });
@@ -333,7 +350,8 @@ impl Outline {
     /// Runs of rays that `holds` is true for, at least this wide on the circle.
     fn runs(&self, look_m: f64, least_m: f64, holds: impl Fn(&Ray) -> bool) -> Vec<Run> {
         let n = self.rays.len();
-        let is_in = |at: usize| holds(&self.rays[at % n]);
+        let ray = |at: usize| &self.rays[if at < n { at } else { at - n }];
+        let is_in = |at: usize| holds(ray(at));
         // The widest rock parts the first mouth from the last.
         let (start, rock) = widest_run(n, |at| !is_in(at));
         if rock == 0 {
@@ -341,7 +359,7 @@ impl Outline {
         }
         let mut runs: Vec<Run> = Vec::new();
         for at in (start..start + n).filter(|&at| is_in(at)) {
-            let reach_m = self.rays[at % n].free_m;
+            let reach_m = ray(at).free_m;
             let is_same = |run: &&mut Run| {
                 let last = run.first + run.len - 1;
                 at == last + 1 || self.arc_m(last, at, look_m) < LEAST_ROCK_M

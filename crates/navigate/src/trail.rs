@@ -1,5 +1,7 @@
 //! Where the vehicle was, in order.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{Isometry2, Point2};
 
 use crosscut_flight::{Anchored, Mapper};
@@ -54,14 +56,30 @@ impl Trail {
 
 /// The way back to where a trail begins, without its loops.
 pub(crate) fn way_back_m(trail_m: &[Point2<f64>]) -> Vec<Point2<f64>> {
+    let mut in_squares: BTreeMap<[i64; 2], Vec<usize>> = BTreeMap::new();
+    for (at, place_m) in trail_m.iter().enumerate() {
+        in_squares.entry(square_of(place_m)).or_default().push(at);
+    }
+    let earliest_beside = |at: usize| {
+        let [x, y] = square_of(&trail_m[at]);
+        let squares = (x - 1..=x + 1).flat_map(|x| (y - 1..=y + 1).map(move |y| [x, y]));
+        let is_here = |other: &usize| (trail_m[*other] - trail_m[at]).norm() < SAME_SPOT_M;
+        let of_square = |square| in_squares.get(&square)?.iter().copied().find(is_here);
+        squares.filter_map(of_square).min()
+    };
     let mut at = trail_m.len().saturating_sub(1);
     let mut way_m: Vec<Point2<f64>> = trail_m.get(at).copied().into_iter().collect();
     while at > 0 {
-        let is_here = |place_m: &Point2<f64>| (place_m - trail_m[at]).norm() < SAME_SPOT_M;
-        at = trail_m.iter().position(is_here).map_or(at - 1, |earliest| earliest.min(at - 1));
+        at = earliest_beside(at).map_or(at - 1, |earliest| earliest.min(at - 1));
         way_m.push(trail_m[at]);
     }
     way_m
+}
+
+/// The square that a place is in: what is nearer than [`SAME_SPOT_M`] is in it, or in one of the eight around it.
+fn square_of(place_m: &Point2<f64>) -> [i64; 2] {
+    // `as` saturates; one off the last number, so that there are squares around.
+    [place_m.x, place_m.y].map(|along_m| ((along_m / SAME_SPOT_M).floor() as i64).clamp(i64::MIN + 1, i64::MAX - 1))
 }
 
 #[cfg(test)]
@@ -85,6 +103,24 @@ mod tests {
         let length_m: f64 = way_m.windows(2).map(|step| (step[1] - step[0]).norm()).sum();
         assert!((17.0..21.0).contains(&length_m), "{length_m} m");
         assert_eq!(way_m.last(), Some(&Point2::origin()));
+    }
+
+    #[test]
+    fn the_way_back_is_the_one_that_a_search_of_the_whole_trail_finds() {
+        let place = |step: i32| {
+            let along = f64::from(step) * 0.05;
+            Point2::new(20.0 * (0.31 * along).sin(), 20.0 * (0.17 * along).sin())
+        };
+        let trail_m: Vec<Point2<f64>> = (0..3000).map(place).collect();
+        let mut at = trail_m.len() - 1;
+        let mut searched_m = vec![trail_m[at]];
+        while at > 0 {
+            let is_here = |place_m: &Point2<f64>| (place_m - trail_m[at]).norm() < SAME_SPOT_M;
+            at = trail_m.iter().position(is_here).map_or(at - 1, |earliest| earliest.min(at - 1));
+            searched_m.push(trail_m[at]);
+        }
+        assert!(searched_m.len() < 500, "the trail has loops");
+        assert_eq!(way_back_m(&trail_m), searched_m);
     }
 
     #[test]

@@ -220,7 +220,7 @@ pub fn widest_run(beams: usize, holds: impl Fn(usize) -> bool) -> (usize, usize)
     let Some(start) = (0..beams).find(|&beam| !holds(beam)) else { return (0, beams) };
     let (mut widest, mut run) = ((0, 0), 0);
     for beam in start..=start + beams {
-        if holds(beam % beams) {
+        if holds(if beam < beams { beam } else { beam - beams }) {
             run += 1;
         } else {
             if run > widest.1 {
