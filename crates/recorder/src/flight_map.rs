@@ -158,8 +158,13 @@ impl FlightMap {
     }
 
     fn log_way(&self, rows: &mut Rows, with_whole: bool) {
-        let path = self.seen.path()[..self.drawn_path].iter().map(|place| drawn(&self.at(place))).collect::<Vec<_>>();
-        rows.log(&FLIGHT_PATH, &LineStrips2D::new([path]));
+        let mut left = self.drawn_path;
+        let stretches = self.seen.stretches().map(|stretch| {
+            let path = stretch.iter().take(left).map(|place| drawn(&self.at(place))).collect::<Vec<_>>();
+            left -= path.len();
+            path
+        });
+        rows.log(&FLIGHT_PATH, &LineStrips2D::new(stretches.filter(|path| !path.is_empty())));
         let unsure = self.unsure().map(|place| drawn(&self.at(place))).collect::<Vec<_>>();
         if !unsure.is_empty() {
             rows.log(&FLIGHT_UNSURE, &Points2D::new(unsure));
