@@ -167,7 +167,8 @@ pub(crate) fn short(p: f64) -> String {
     } else if p >= 0.001 {
         format!("{p:.*}", if p >= 0.01 { 2 } else { 3 })
     } else {
-        format!("{p:.0e}")
+        // What is less is rounded to nothing.
+        format!("{:.0e}", p.max(1e-300))
     }
 }
 
