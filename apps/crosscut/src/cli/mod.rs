@@ -224,7 +224,7 @@ pub(crate) struct ViewArgs {
     #[arg(long, value_enum)]
     pub(crate) layout: Option<LayoutArg>,
     /// Revolution to open at. [default: the last]
-    #[arg(long, value_name = "REVOLUTION", conflicts_with = "serve", value_parser = number, allow_negative_numbers = true)]
+    #[arg(long, value_name = "REVOLUTION", conflicts_with = "serve", value_parser = number::<u64>, allow_negative_numbers = true)]
     pub(crate) at: Option<u64>,
     /// Second recording, shown side by side with the first.
     #[arg(long, value_name = "OTHER.rrd")]
@@ -270,7 +270,7 @@ pub(crate) struct SimulateArgs {
     #[arg(short, long, value_name = "PATH", value_parser = PathBufValueParser::new().try_map(mcap_path))]
     pub(crate) out: Option<PathBuf>,
     /// Seed of the random numbers; the same seed gives the same bytes.
-    #[arg(long, default_value_t = 1, conflicts_with = "suite", value_parser = number, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 1, conflicts_with = "suite", value_parser = number::<u64>, allow_negative_numbers = true)]
     pub(crate) seed: u64,
     /// Drift of the odometry of a flight, as a share of its way; its heading drifts by a tenth of it in rad per metre.
     #[arg(long, value_name = "SHARE", value_parser = drift_share, allow_negative_numbers = true, conflicts_with_all = ["suite", "no_odometry"])]

@@ -65,7 +65,9 @@ pub(crate) fn info(args: &InfoArgs, registry: &Registry) -> anyhow::Result<Outco
         }
     }
     diagnostics.lost_all(missing);
-    left_out.iter().for_each(|path| diagnostics.note(format_args!("{} is of another kind, and left out", path.display())));
+    left_out
+        .iter()
+        .for_each(|path| diagnostics.note(format_args!("{} is of another kind, and left out", path.display())));
     let next = run_line(args, &scan_topics);
     let is_described = !described.is_empty();
     if let Some(out) = &mut json {
