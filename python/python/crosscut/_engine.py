@@ -121,13 +121,13 @@ class Engine:
         every: int = 1,
     ) -> Recording:
         """The scans of a recording, with the settings of this engine (sections ``ingest`` and ``csv``). See :func:`read`."""
-        one = isinstance(path, (str, os.PathLike))
+        paths = [path] if isinstance(path, (str, os.PathLike)) else list(path)
         topics = [] if topic is None else [topic] if isinstance(topic, str) else texts("topic", topic)
         every = operator.index(every)
         if every < 1:
             raise ValueError(f"every is 1 or more, not {every}")
         wanted = {
-            "paths": [os.fspath(part) for part in ([path] if one else path)],  # type: ignore[arg-type, list-item]
+            "paths": [os.fspath(part) for part in paths],
             "topics": topics,
             "read_as": read_as,
             "from_s": seconds("from_s", from_s),

@@ -142,8 +142,8 @@ impl Columns {
 
     /// A column of times since 1970 is no beam, in whatever order they are.
     fn drop_epochs(&mut self, rows: &[Vec<f64>]) {
-        let is_large = |column: &&usize| numbers_of(rows, **column).any(|number| number >= *EPOCHS.start());
-        let times: Vec<usize> = self.ranges.iter().filter(is_large).copied().collect();
+        let has_epoch = |column: &&usize| numbers_of(rows, **column).any(|number| EPOCHS.contains(&number));
+        let times: Vec<usize> = self.ranges.iter().filter(has_epoch).copied().collect();
         let is_epoch = |column: &usize| {
             let mut numbers = numbers_of(rows, *column).filter(|number| !number.is_nan());
             numbers.all(|number| EPOCHS.contains(&number))

@@ -406,7 +406,11 @@ mod tests {
     fn stamps_that_repeat_or_go_back_are_no_beams() {
         const EPOCH: usize = 1_700_000_000;
         let rows = |stamp: &dyn Fn(usize) -> String| -> String {
-            (0..30).map(|i| format!("{},{}\n", stamp(i), cells(8, ",", |j| format!("{}", (i * j) % 5 + 1)))).collect()
+            (0..30)
+                .map(|i| {
+                    format!("{},{}\n", stamp(i), cells(8, ",", |j| ["inf", "1e30", "2", "3"][(i * j) % 4].to_owned()))
+                })
+                .collect()
         };
         for (text, last_ns) in [
             (rows(&|i| (EPOCH + i / 10).to_string()), 1_700_000_002_000_000_000),
