@@ -392,6 +392,18 @@ fn info_describes_the_first_scan_of_the_selected_frame() {
 }
 
 #[test]
+fn recordings_of_another_kind_in_a_folder_are_noted() {
+    let folder = folder();
+    for name in ["a.mcap", "b.bag"] {
+        std::fs::copy(crate::program::shipped_flight(), folder.path().join(name)).expect("writable");
+    }
+    let ran = run(["run".as_ref(), folder.path().as_os_str()]).expect_code(0);
+    assert!(ran.stderr.contains("left out 1 recording of another kind; name one to run it: "), "{}", ran.stderr);
+    let said = run(["info".as_ref(), folder.path().as_os_str()]).expect_code(0).stderr;
+    assert!(said.contains("b.bag is of another kind"), "{said}");
+}
+
+#[test]
 fn every_topic_that_is_named_is_joined_to_the_first() {
     let folder = folder();
     let two = Writing { topics: &["/front", "/rear"], ..Writing::default() };

@@ -44,6 +44,18 @@ fn an_interrupted_flight_ends_with_130_and_complete_results() {
     assert!(lines.len() < 600 && column(&lines, "seq").into_iter().eq(0..lines.len() as u64));
 }
 
+/// `timeout` sends its signal to the program, and at once to the group that it is in.
+#[test]
+#[cfg(unix)]
+fn two_signals_at_once_are_one() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (child, _) = start(folder.path());
+    let twice = format!("kill -TERM {0}; kill -TERM {0}", child.id());
+    assert!(Command::new("sh").args(["-c", &twice]).status().expect("a shell").success());
+    let ran = Ran::from(child.wait_with_output().expect("it ends")).expect_code(130);
+    assert!(ran.stderr.contains("interrupted after"), "it quit at once: {}", ran.stderr);
+}
+
 /// Long before the time that a flight in progress has.
 #[cfg(unix)]
 fn ends_soon_by_a_signal(child: Child) {

@@ -71,6 +71,7 @@ impl Matrix {
             return Ok(Self::without_entries(shape));
         }
         refuse_complex(object, &array)?;
+        let array = without_mask(array)?;
         let array: PyArrayLike2<'_, f64, AllowTypeChange> = array.extract().map_err(|_| not_a_matrix(object))?;
         Ok(Self::Dense { shape, flat: array.as_array().iter().copied().collect() })
     }
@@ -126,14 +127,23 @@ where
         return Err(PyValueError::new_err(format!("{} has more than {most} entries", kind(object))));
     }
     refuse_complex(object, &array)?;
+    let array = without_mask(array)?;
     let array: Result<PyArrayLike1<'_, T, AllowTypeChange>, _> = array.extract();
     Ok(array.map_err(|_| not_a_vector())?.as_array().iter().copied().collect())
 }
 
 /// The labels in a one-dimensional array, or in anything that numpy makes one of. A cast of numpy would round them.
 pub(crate) fn labels(object: &Bound<'_, PyAny>, most: usize) -> PyResult<Vec<i64>> {
-    if array(object).is_ok_and(|array| matches!(array.dtype().kind(), b'i' | b'u' | b'b')) {
+    let kind = array(object).ok().filter(|array| !is_masked(array)).map(|array| array.dtype().kind());
+    if matches!(kind, Some(b'i' | b'b')) {
         return vector(object, most);
+    }
+    if kind == Some(b'u') {
+        let label = |(at, value): (usize, u64)| {
+            let too_large = |_| PyValueError::new_err(format!("labels[{at}] = {value} is larger than a label can be"));
+            i64::try_from(value).map_err(too_large)
+        };
+        return vector(object, most)?.into_iter().enumerate().map(label).collect();
     }
     let values: Vec<f64> = vector(object, most)?;
     let whole = |(at, value): (usize, f64)| {
@@ -153,6 +163,20 @@ pub(crate) fn array<'py>(object: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyUn
     }
     let made = numpy::get_array_module(object.py())?.call_method1("asarray", (object,))?;
     Ok(made.cast_into::<PyUntypedArray>()?)
+}
+
+/// Whether it is an array of `numpy.ma`.
+fn is_masked(array: &Bound<'_, PyUntypedArray>) -> bool {
+    array.hasattr("filled").unwrap_or(false)
+}
+
+/// NaN for what is masked: its array has any number there. Other arrays stay as they are.
+fn without_mask<'py>(array: Bound<'py, PyUntypedArray>) -> PyResult<Bound<'py, PyUntypedArray>> {
+    if !is_masked(&array) {
+        return Ok(array);
+    }
+    let filled = array.call_method1("astype", ("float64",))?.call_method1("filled", (f64::NAN,))?;
+    Ok(filled.cast_into::<PyUntypedArray>()?)
 }
 
 /// A cast of numpy would drop imaginary parts.

@@ -43,6 +43,23 @@ def test_a_sparse_matrix_with_wrong_indices_is_refused(form: str, part: str, val
         crosscut.Engine("paper", affinity=damaged(form, part, value)).process(SCAN)
 
 
+@pytest.mark.parametrize("dtype", ["float32", "float64", "int64"])
+def test_what_a_mask_hides_is_no_return(dtype: str) -> None:
+    ranges = np.ma.masked_array(np.full(360, 2, dtype), mask=[False] * 200 + [True] * 160)
+    plain = np.where(ranges.mask, np.nan, 2.0)
+    masked, of_plain = (crosscut.count(given, -np.pi, np.pi / 180) for given in (ranges, plain))
+    assert masked.returns == 200 and masked.labels.tolist() == of_plain.labels.tolist()
+    with pytest.raises(ValueError, match="point 0 is not finite"):
+        crosscut.Engine().process(np.ma.masked_less([[0.0, 1.0]], 0.5))
+
+
+@pytest.mark.parametrize("label", [2**64 - 1, 2**63])
+def test_a_label_that_is_too_large_is_refused(label: int) -> None:
+    engine = crosscut.Engine("paper", kmeans=lambda u, k: np.full(len(u), label, np.uint64))
+    with pytest.raises(crosscut.StageError, match=rf"labels\[0\] = {label} is larger"):
+        engine.process(SCAN)
+
+
 @pytest.mark.parametrize("part", ["indptr", "indices", "data"])
 @pytest.mark.parametrize("form", ["csr", "csc", "bsr"])
 def test_a_sparse_matrix_that_is_cut_is_refused(form: str, part: str) -> None:

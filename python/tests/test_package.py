@@ -23,6 +23,12 @@ def test_the_import_takes_numpy_alone() -> None:
     assert done.stdout == "['numpy']\n"
 
 
+def test_modules_need_no_import_of_their_own() -> None:
+    script = "import crosscut; print(crosscut.testing.check_affinity.__name__, crosscut.frames.STAGES[0], hasattr(crosscut, 'none'))"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout == "check_affinity affinity False\n"
+
+
 def test_the_package_is_typed_and_of_one_version() -> None:
     assert Path(crosscut.__file__).with_name("py.typed").exists()
     assert f'version = "{crosscut.__version__}"' in (ROOT / "Cargo.toml").read_text()

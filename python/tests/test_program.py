@@ -59,6 +59,7 @@ def test_a_stage_of_ones_own_is_chosen_by_name(tee: Path) -> None:
 @pytest.mark.parametrize(
     ("kind", "text"),
     [
+        ("python:bad", "a stage of Python is python:MODULE.FUNCTION"),
         ("python:absent.rbf", "ModuleNotFoundError: No module named 'absent'"),
         ("python:stages_of_ones_own.absent", "has no attribute 'absent'"),
         ("python:stages_of_ones_own.NO_FUNCTION", "it is not callable"),
@@ -68,6 +69,14 @@ def test_a_stage_that_is_not_there_is_wrong_usage(tee: Path, kind: str, text: st
     done = run("run", tee, "--set", f"affinity.kind={kind}")
     assert (done.returncode, done.stderr.count("\n")) == (2, 1), done.stderr
     assert text in done.stderr
+
+
+def test_what_a_stage_prints_is_no_line_of_results(tee: Path, tmp_path: Path) -> None:
+    stage = "import numpy\nprint('read')\ndef w(points):\n    print('called')\n    return numpy.eye(len(points))\n"
+    (tmp_path / "mine.py").write_text(stage)
+    done = run("run", tee, "--set", "affinity.kind=python:mine.w", "--preset", "paper", "--every", 70, "-o", "-", cwd=tmp_path)
+    assert [json.loads(line)["seq"] for line in done.stdout.splitlines()] == [0, 70, 140], done.stderr
+    assert "read\n" in done.stderr and done.stderr.count("called\n") >= 3
 
 
 def test_files_and_their_names_run_no_code(tee: Path, tmp_path: Path) -> None:

@@ -45,6 +45,11 @@ def values(recording: Path, entity: str, out: Path) -> str:
     return out.read_text()
 
 
+def test_what_is_no_result_is_not_recorded(tmp_path: Path) -> None:
+    with crosscut.Recorder(tmp_path / "none.rrd") as recorder, pytest.raises(TypeError, match="a crosscut.Result, not 3"):
+        recorder.log(3)  # type: ignore[arg-type]
+
+
 @pytest.mark.parametrize("preset", ["default", "paper"])
 @pytest.mark.parametrize("workers", [1, 2])
 def test_every_entity_is_that_of_the_program(tee: Path, tmp_path: Path, preset: str, workers: int) -> None:

@@ -11,7 +11,7 @@ use anyhow::Context;
 use crosscut_detector::{Config, Registry};
 use crosscut_evaluate::Score;
 use crosscut_flight::check_live;
-use crosscut_ingest::{Following, LiveFeed, ReadOptions, Recording, Truths, recordings_in};
+use crosscut_ingest::{Following, LiveFeed, ReadOptions, Recording, Truths, parts_in, recordings_in};
 use crosscut_messages::{Truth, TruthError};
 use crosscut_pipeline::{End, StopFlag, StreamOptions, Summary, stream};
 use crosscut_report::ResultsLine;
@@ -53,8 +53,8 @@ pub(crate) struct Flight {
     is_judged: bool,
     /// The last part.
     path: PathBuf,
-    /// Recordings of this program (.rrd) in the folders that were named: nobody asked for these.
-    left_out: Vec<PathBuf>,
+    /// What is left out of the folders that were named, in words.
+    left_out: Vec<String>,
 }
 
 /// Where the scans come from.
@@ -80,7 +80,7 @@ impl Flight {
         refuse_unrelated(parts, args, config)?;
         let recording = Recording::open(parts, &args.read_options(config), Sensor::new(config.params("ingest")))?;
         let flight = Self::flown(recording, parts.last().cloned().unwrap_or_default());
-        Ok(Self { left_out: recorded_in_folders(parts), ..flight })
+        Ok(Self { left_out: left_out_of_folders(parts), ..flight })
     }
 
     /// Opens a flight as `open` does, with the truth of its scans if it is one recording that holds it.
@@ -209,11 +209,7 @@ impl Flight {
     /// The scans of the inputs that were passed over, and what is odd about their times.
     pub(crate) fn left_out(&self) -> Vec<String> {
         let Read::Flown(recording) = &self.scans else { return Vec::new() };
-        let mut notes = Vec::new();
-        if let [first, ..] = &self.left_out[..] {
-            let recordings = counted(self.left_out.len() as u64, "recording");
-            notes.push(format!("left out {recordings} of Rerun; name one to run it: {}", first.display()));
-        }
+        let mut notes = self.left_out.clone();
         if recording.of_other_frames() > 0 {
             let scans = counted(recording.of_other_frames(), "scan");
             notes.push(format!("left out {scans} whose frame is not ingest.frame_id"));
@@ -229,6 +225,16 @@ impl Flight {
         }
         notes
     }
+}
+
+/// What is left out of the folders among these inputs: recordings of other kinds, and those of this program.
+fn left_out_of_folders(inputs: &[PathBuf]) -> Vec<String> {
+    let others = parts_in(inputs).map(|parts| parts.left_out).unwrap_or_default();
+    let note = |(left_out, of): (Vec<PathBuf>, &str)| {
+        let recordings = counted(left_out.len() as u64, "recording");
+        Some(format!("left out {recordings} of {of}; name one to run it: {}", left_out.first()?.display()))
+    };
+    [(recorded_in_folders(inputs), "Rerun"), (others, "another kind")].into_iter().filter_map(note).collect()
 }
 
 /// The recordings of this program in the folders among these inputs, by name.

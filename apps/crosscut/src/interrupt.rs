@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread::Builder;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use anyhow::Context;
 use crosscut_ingest::stop_reading;
@@ -18,6 +18,9 @@ use crate::say::say;
 const READING: Duration = Duration::from_millis(500);
 /// Work in progress that is not finished so long after that is given up: a reader may have stopped reading our output.
 const GRACE: Duration = Duration::from_secs(10);
+
+/// A second signal within this time is the same wish: `timeout` sends two, to the program and to its group.
+const SAME_WISH: Duration = Duration::from_millis(200);
 
 /// Whether a signal asked for the end.
 static IS_REQUESTED: AtomicBool = AtomicBool::new(false);
@@ -42,10 +45,16 @@ pub(crate) fn is_requested() -> bool {
 pub(crate) fn stop_on_interrupt() -> anyhow::Result<StopFlag> {
     let stop = StopFlag::default();
     let set = stop.clone();
+    let mut first: Option<Instant> = None;
     ctrlc::set_handler(move || {
-        if IS_REQUESTED.swap(true, Ordering::Relaxed) {
-            std::process::exit(i32::from(INTERRUPTED));
+        if let Some(first) = first {
+            if first.elapsed() > SAME_WISH {
+                std::process::exit(i32::from(INTERRUPTED));
+            }
+            return;
         }
+        first = Some(Instant::now());
+        IS_REQUESTED.store(true, Ordering::Relaxed);
         say("stopping after the scans in progress (a second signal, as of Ctrl-C, quits at once, without them)");
         set.set();
         let quit = || {

@@ -63,7 +63,7 @@ pub fn main(registry: &Registry) -> ExitCode {
 
 /// Runs the command in `args`, of which the first is the name of the program, and returns its exit code.
 pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry, host: &Host<'_>) -> u8 {
-    let args = args.into_iter().map(with_home);
+    let args = without_help_of_help(args.into_iter().map(with_home).collect());
     let command = match cli::help::command().try_get_matches_from(args).and_then(|found| Cli::from_arg_matches(&found))
     {
         Ok(cli) => cli.command,
@@ -110,6 +110,14 @@ pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry, host: 
 pub fn import(args: impl IntoIterator<Item = OsString>, registry: &Registry) -> u8 {
     let command = ["crosscut", "import"].map(OsString::from);
     run(command.into_iter().chain(args.into_iter().skip(1)), registry, &Host::default())
+}
+
+/// `help --help` is `help`, which takes no options.
+fn without_help_of_help(mut args: Vec<OsString>) -> Vec<OsString> {
+    if args.get(1).is_some_and(|command| command == "help") {
+        args.retain(|arg| arg != "--help" && arg != "-h");
+    }
+    args
 }
 
 /// `~/` at the start of an argument or of an option's value, where the shell has left it (`--save=~/F.rrd`), is the home folder.

@@ -229,12 +229,14 @@ impl PoseTracker {
         }
         let Compared { odometry_m, scans_m, contradicts, is_new } =
             self.agreement.add(&odometry.step, &self.pose.inv_mul(&matched.pose))?;
-        let moved = format!("the odometry moved by {odometry_m:.1} m, the scans by {scans_m:.1} m");
-        match (contradicts, is_new) {
-            (true, _) => Some(format!("pose: {moved}: the odometry is not believed")),
-            (false, true) => Some(format!("pose: {moved}: the odometry is believed again")),
-            (false, false) => None,
-        }
+        let what = match (contradicts, is_new) {
+            (true, _) => "not believed",
+            (false, true) => "believed again",
+            (false, false) => return None,
+        };
+        Some(format!(
+            "pose: the odometry moved by {odometry_m:.1} m, the scans by {scans_m:.1} m: the odometry is {what}"
+        ))
     }
 }
 

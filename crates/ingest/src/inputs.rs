@@ -20,6 +20,8 @@ pub struct Parts {
     pub files: Vec<PathBuf>,
     /// Those that are not there although the `metadata.yaml` of their folder names them.
     pub missing: Vec<Loss>,
+    /// Recordings of other kinds in a folder, which are left out: most are copies.
+    pub left_out: Vec<PathBuf>,
 }
 
 /// The recordings in `inputs`, in the order given. A folder stands for the .mcap files in it; if there are none, for the
@@ -63,7 +65,8 @@ fn add_folder(folder: &Path, parts: &mut Parts) -> Result<(), IngestError> {
     let Some(kind) = kind else {
         return Err(IngestError::NoRecordings { path: folder.to_owned(), files: files.len(), folders });
     };
-    let mut recordings: Vec<_> = files.into_iter().filter(|path| is_of_kind(path, kind)).collect();
+    let (mut recordings, others): (Vec<_>, Vec<_>) = files.into_iter().partition(|path| is_of_kind(path, kind));
+    parts.left_out.extend(others.into_iter().filter(|path| KINDS.iter().any(|kind| is_of_kind(path, kind))));
     // Who decompressed or closed a part may have kept both.
     let is_twin = |path: &PathBuf| original(path) != *path && original(path).is_file();
     recordings.retain(|path| !is_twin(path));
@@ -167,7 +170,10 @@ mod tests {
         assert_eq!(names(), ["f_0.bag", "f_1.bag.active"]);
         ["f_0.db3.zstd", "f_1.db3", "f_1.db3-wal"].into_iter().for_each(add);
         assert_eq!(names(), ["f_0.db3.zstd", "f_1.db3"]);
-        ["f_0.mcap.active", "f_1.mcap.zstd", "f_1.mcap"].into_iter().for_each(add);
+        ["f_0.mcap.active", "f_1.mcap.zstd", "f_1.mcap", "notes.txt"].into_iter().for_each(add);
         assert_eq!(names(), ["f_0.mcap.active", "f_1.mcap"], "decompressed, and the other kept");
+        let parts = parts_in(&[folder.path().to_owned()]).expect("recordings");
+        let left_out: Vec<_> = parts.left_out.iter().filter_map(|path| path.file_name()).collect();
+        assert_eq!(left_out, ["f.clf", "f_0.bag", "f_0.db3.zstd", "f_1.bag.active", "f_1.db3"]);
     }
 }

@@ -452,7 +452,7 @@ type Opened = (Vec<Box<dyn Container>>, Vec<Loss>);
 /// Opens every part of a flight. One that `metadata.yaml` names and is not there, or that is no recording, is a loss, as long as
 /// another can be read.
 pub(crate) fn open_all(inputs: &[PathBuf], csv: &CsvGeometry) -> Result<Opened, IngestError> {
-    let Parts { files, missing: mut losses } = parts_in(inputs)?;
+    let Parts { files, missing: mut losses, left_out: _ } = parts_in(inputs)?;
     let mut containers = Vec::new();
     for file in &files {
         match container::open(file, csv) {

@@ -60,10 +60,10 @@ note_codes! {
         seen "Beams or points are nearer than `ingest.min_range_m`."
         done "They are left out."
         remedy "Nothing, if the setting is right.";
-    "N009" ["are these millimetres?"]
+    "N009" ["farther than", "ranges are read in metres"]
         seen "Most returns are farther than a lidar sees: the ranges may be millimetres."
         done "They are used as metres."
-        remedy "Have the driver write metres, or convert the table.";
+        remedy "Set the unit, `--set ingest.range_scale=0.001`, of a table `--set csv.unit=mm`; or have the driver write metres.";
     "N010" ["beyond max_range_m"]
         seen "Beams or points are beyond `ingest.max_range_m`."
         done "They count as no return."
@@ -140,6 +140,10 @@ note_codes! {
         seen "`angle_min`, `angle_max` or `angle_increment` make a sensible scan only as degrees."
         done "They are taken as degrees."
         remedy "Correct the driver: the message asks for radians.";
+    "N029" ["within noise of range_max"]
+        seen "Beams without a hit have ranges that scatter about `range_max`, as some simulated lidars write no return."
+        done "They count as no return."
+        remedy "Nothing.";
     // Clouds.
     "N030" ["the cloud does not state rings"]
         seen "`ingest.rings` is set, but the cloud has no field `ring`."
@@ -190,6 +194,18 @@ note_codes! {
         seen "A turn lacks some of its messages."
         done "Nothing is known in the directions of their beams."
         remedy "Look for lost messages.";
+    "N049" ["no stamp: the time of recording is used"]
+        seen "The scan has no stamp."
+        done "The time at which it was recorded is its stamp."
+        remedy "Nothing for one scanner. Odometry and several scanners are matched by stamps: have the driver set them.";
+    "N057" ["the stamp is more than a day off"]
+        seen "The stamp is more than a day from where those of other scans and its time of recording put it."
+        done "The time at which it was recorded is its stamp."
+        remedy "Correct the clock of the driver.";
+    "N058" ["implausible time of recording"]
+        seen "The time of recording is far from that of most other messages."
+        done "The stamp replaces it, else the time of the first scan; the note says which."
+        remedy "Check the clock of the machine that recorded.";
     // Several scanners.
     "N050" ["is not joined: it has no scan within"]
         seen "Another scanner has no scan at this time."
@@ -327,6 +343,10 @@ note_codes! {
         seen "The revolution has more returns than a picture has pixels."
         done "W and L are not drawn; the count is not affected."
         remedy "Thin the cloud for looking at it: `ingest.rings`, `ingest.max_range_m`.";
+    "N100" ["injected"]
+        seen "The prompt of `crosscut debug` put W, U or the labels into the scan."
+        done "The stages after it worked on them."
+        remedy "Nothing.";
 }
 
 impl NoteCode {

@@ -17,6 +17,8 @@
 Bearings are in radians, anticlockwise from straight ahead; x is forward, y left; lengths are in metres.
 """
 
+from typing import TYPE_CHECKING, Any
+
 from ._engine import Engine, Recording, count, read
 from ._errors import Error, LossWarning, MissingPackageError, ReadError, SettingsError, StageError
 from ._flight import Flight, Map
@@ -25,6 +27,21 @@ from ._navigator import Command, Navigator
 from ._program import report, run, sweep, view
 from ._recorder import Recorder, show
 from ._results import FollowedOpening, Here, Opening, Pose, Result, Steady, Wall, results
+
+if TYPE_CHECKING:
+    from . import frames, live, ray, sklearn, testing
+
+_LAZY = ("frames", "live", "ray", "sklearn", "testing")
+"""Modules that are imported when they are asked for: some need packages that others do not."""
+
+
+def __getattr__(name: str) -> Any:
+    if name in _LAZY:
+        import importlib
+
+        return importlib.import_module(f".{name}", __name__)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
 
 __all__ = [
     "Command",

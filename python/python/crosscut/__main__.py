@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import signal
 import sys
 from collections.abc import Callable
@@ -26,6 +27,12 @@ def main() -> int:
         from . import ray
 
         return ray.main(sys.argv[1], arguments)
+    sys.stdout.flush()
+    with contextlib.redirect_stdout(sys.stderr):  # what stages print is none of the results of the program
+        return _program()
+
+
+def _program() -> int:
     stages: dict[str, Callable[..., Any]] = {}
     for module, name in _named.named(sys.argv[1:]):
         try:
@@ -37,7 +44,6 @@ def main() -> int:
     build = _named.build(sys.argv[1:]) if sys.argv[1:2] == ["sweep"] else None
     # As in the program: its own handler where there is one, else the process ends.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
-    sys.stdout.flush()
     return _native.program(["crosscut", *sys.argv[1:]], stages, build, hear, _named.find_again)
 
 

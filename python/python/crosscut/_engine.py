@@ -121,14 +121,17 @@ class Engine:
         every: int = 1,
     ) -> Recording:
         """The scans of a recording, with the settings of this engine (sections ``ingest`` and ``csv``). See :func:`read`."""
-        one = isinstance(path, (str, os.PathLike))
+        paths = [path] if isinstance(path, (str, os.PathLike)) else list(path)
         topics = [] if topic is None else [topic] if isinstance(topic, str) else texts("topic", topic)
+        every = operator.index(every)
+        if every < 1:
+            raise ValueError(f"every is 1 or more, not {every}")
         wanted = {
-            "paths": [path] if one else list(path),  # type: ignore[arg-type]
+            "paths": [os.fspath(part) for part in paths],
             "topics": topics,
             "read_as": read_as,
-            "from_s": from_s,
-            "to_s": to_s,
+            "from_s": seconds("from_s", from_s),
+            "to_s": seconds("to_s", to_s),
             "every": every,
         }
         return Recording(lambda: self._native.read(wanted))
@@ -248,6 +251,15 @@ def as_scan(scan: Any) -> Scan:
             frame_id=getattr(getattr(scan, "header", None), "frame_id", ""),
         )
     return Scan.from_points(scan)
+
+
+def seconds(name: str, value: object) -> float | None:
+    """A time after the first scan, if there is one."""
+    if value is None:
+        return None
+    if not isinstance(value, numbers.Real):
+        raise TypeError(f"{name} is a number of seconds, not {value!r}")
+    return float(value)
 
 
 def texts(name: str, values: Iterable[str]) -> list[str]:

@@ -103,6 +103,8 @@ def sweep(
     """
     if not isinstance(grid, Mapping):
         raise TypeError(f"grid is a mapping of settings to lists of values, not {grid!r}")
+    if not grid:
+        raise ValueError("grid names no setting: {'vehicle.width_m': [0.6, 0.9]}")
     at_a_time = [] if jobs is None else ["--jobs", str(jobs)]
     stages, sections = _own_stages(sections)
     options = [*axes(grid), *configuration(preset, settings, sections), *at_a_time]

@@ -36,6 +36,8 @@ class Recorder:
 
     def log(self, result: Result) -> None:
         """Adds the next scan of the flight."""
+        if not isinstance(result, Result):
+            raise TypeError(f"what is recorded is a crosscut.Result, not {result!r}")
         if result._kept is None:
             raise TypeError("a copy of a result cannot be recorded; record the result itself")
         self._native.log(result._kept)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ._errors import Error
+from ._errors import Error, ReadError
 from ._extras import importing, scipy_sparse
 
 if TYPE_CHECKING:
@@ -280,9 +280,18 @@ def results(path: str | os.PathLike[str]) -> pyarrow.Table:
             ("notes", pa.list_(pa.string())),
         ]
     )
-    size = os.path.getsize(path)
-    if size == 0:
-        return schema.empty_table()
-    # A block holds whole lines, and a cloud's line has no upper limit.
-    read = json.ReadOptions(block_size=min(size + 1, 2**31 - 1))
-    return json.read_json(path, read, json.ParseOptions(explicit_schema=schema))
+    try:
+        size = os.path.getsize(path)
+        if size == 0:
+            return schema.empty_table()
+        # A block holds whole lines, and a cloud's line has no upper limit.
+        read = json.ReadOptions(block_size=min(size + 1, 2**31 - 1))
+        return json.read_json(path, read, json.ParseOptions(explicit_schema=schema))
+    except FileNotFoundError as error:
+        raise ReadError(f"there is no file {os.fspath(path)}") from error
+    except OSError as error:
+        raise ReadError(f"{os.fspath(path)} cannot be read: {error}") from error
+    except pa.ArrowException as error:
+        raise ReadError(
+            f"{os.fspath(path)} has no lines of results, as `crosscut run --results FILE.jsonl` writes them: {error}"
+        ) from error

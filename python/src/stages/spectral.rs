@@ -16,6 +16,8 @@ pub(crate) const KIND: Kind<dyn SpectralStage> =
 
 /// No eigenvalue of a normalised Laplacian is larger.
 const LARGEST: f64 = 2.0;
+/// None is below 0 but for rounding, which in single precision reaches a few millionths.
+const LEAST: f64 = -1e-4;
 
 struct PythonSpectral {
     callable: Option<Callable>,
@@ -69,6 +71,12 @@ fn check(eigenvalues: &[f64], u: &Matrix, n: usize) -> Result<(), String> {
     }
     if let Some(at) = eigenvalues.iter().position(|value| !value.is_finite()) {
         return Err(format!("an eigenvalue that is not finite: eigenvalues[{at}] = {}", eigenvalues[at]));
+    }
+    if let Some(at) = eigenvalues.iter().position(|value| *value < LEAST) {
+        return Err(format!(
+            "an eigenvalue below 0, which no Laplacian of a W has: eigenvalues[{at}] = {}",
+            eigenvalues[at]
+        ));
     }
     if !eigenvalues.is_sorted() {
         return Err("eigenvalues that do not ascend".to_owned());

@@ -8,7 +8,7 @@ use crosscut_detector::Config;
 use crosscut_ingest::{CsvGeometry, ReadOptions};
 use crosscut_messages::ScanType;
 
-use super::seconds;
+use super::{count, seconds};
 
 #[derive(Debug, Args)]
 pub(crate) struct RecordingsArgs {
@@ -41,7 +41,7 @@ pub(crate) struct InputArgs {
     #[arg(long)]
     pub(crate) join: bool,
     /// Take every N-th scan only.
-    #[arg(long, value_name = "N", default_value = "1", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", default_value = "1", value_parser = count::<NonZeroU64>, allow_negative_numbers = true)]
     pub(crate) every: NonZeroU64,
 }
 

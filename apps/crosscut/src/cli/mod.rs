@@ -14,6 +14,7 @@ pub(crate) mod sweep;
 
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
 use clap::builder::{PathBufValueParser, TypedValueParser as _};
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -172,7 +173,7 @@ pub(crate) struct LiveArgs {
     #[arg(long, value_name = "TOPIC")]
     pub(crate) odometry: Option<String>,
     /// ROS domain of a robot on Zenoh. With --as, the topic is a key of plain messages instead.
-    #[arg(long, value_name = "N", default_value = "0")]
+    #[arg(long, value_name = "N", default_value = "0", value_parser = number::<u32>, allow_negative_numbers = true)]
     pub(crate) domain: u32,
     /// Configuration of Zenoh: TLS and user and, of zenoh:///TOPIC, the router's endpoint.
     #[arg(long, value_name = "FILE.json5")]
@@ -223,7 +224,7 @@ pub(crate) struct ViewArgs {
     #[arg(long, value_enum)]
     pub(crate) layout: Option<LayoutArg>,
     /// Revolution to open at. [default: the last]
-    #[arg(long, value_name = "REVOLUTION", conflicts_with = "serve")]
+    #[arg(long, value_name = "REVOLUTION", conflicts_with = "serve", value_parser = number::<u64>, allow_negative_numbers = true)]
     pub(crate) at: Option<u64>,
     /// Second recording, shown side by side with the first.
     #[arg(long, value_name = "OTHER.rrd")]
@@ -270,10 +271,10 @@ pub(crate) struct SimulateArgs {
     #[arg(short, long, value_name = "PATH", value_parser = PathBufValueParser::new().try_map(mcap_path))]
     pub(crate) out: Option<PathBuf>,
     /// Seed of the random numbers; the same seed gives the same bytes.
-    #[arg(long, default_value_t = 1, conflicts_with = "suite", allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 1, conflicts_with = "suite", value_parser = number::<u64>, allow_negative_numbers = true)]
     pub(crate) seed: u64,
     /// Drift of the odometry of a flight, as a share of its way; its heading drifts by a tenth of it in rad per metre.
-    #[arg(long, value_name = "SHARE", value_parser = drift_share, conflicts_with_all = ["suite", "no_odometry"])]
+    #[arg(long, value_name = "SHARE", value_parser = drift_share, allow_negative_numbers = true, conflicts_with_all = ["suite", "no_odometry"])]
     pub(crate) drift: Option<f64>,
     /// A flight without odometry.
     #[arg(long, conflicts_with = "suite")]
@@ -380,8 +381,14 @@ pub(crate) struct InfoArgs {
     pub(crate) json: Option<PathBuf>,
 }
 
-fn one_or_more(text: &str) -> Result<usize, String> {
-    text.parse().ok().filter(|count| *count > 0).ok_or_else(|| "a whole number, 1 or more".to_owned())
+/// The number of a revolution, a seed, and the like.
+fn number<N: FromStr>(text: &str) -> Result<N, String> {
+    text.parse().map_err(|_| "a whole number from 0 on".to_owned())
+}
+
+/// A count of what there is at least one of.
+fn count<N: FromStr>(text: &str) -> Result<N, String> {
+    text.parse().map_err(|_| "a whole number from 1 on".to_owned())
 }
 
 fn seconds(text: &str) -> Result<f64, String> {

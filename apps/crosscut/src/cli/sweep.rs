@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{ConfigArgs, InputArgs};
+use super::{ConfigArgs, InputArgs, count};
 
 #[derive(Debug, Args)]
 pub(crate) struct SweepArgs {
@@ -22,7 +22,7 @@ pub(crate) struct SweepArgs {
     #[arg(short, long, value_name = "DIR")]
     pub(crate) out: PathBuf,
     /// Number of recordings that are processed at a time. [default: the number of processors]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = count::<NonZeroUsize>, allow_negative_numbers = true)]
     pub(crate) jobs: Option<NonZeroUsize>,
     /// Append a line for each combination to this history: inputs, settings, build and figures. `crosscut runs` lists it.
     #[arg(long, value_name = "RUNS.jsonl")]

@@ -39,7 +39,7 @@ pub(crate) fn info(args: &InfoArgs, registry: &Registry) -> anyhow::Result<Outco
     let mut json =
         args.json.as_ref().map(|path| Document::create(path, &args.recordings.input, Keep::ThroughKill)).transpose()?;
     let (mut diagnostics, mut described) = (Diagnostics::default(), Vec::new());
-    let Parts { files, missing } = parts_in(&args.recordings.input)?;
+    let Parts { files, missing, left_out } = parts_in(&args.recordings.input)?;
     let mut alike = Alike::default();
     let (mut scan_topics, mut unknown_topics) = (BTreeMap::new(), BTreeSet::new());
     for part in &files {
@@ -65,6 +65,9 @@ pub(crate) fn info(args: &InfoArgs, registry: &Registry) -> anyhow::Result<Outco
         }
     }
     diagnostics.lost_all(missing);
+    left_out
+        .iter()
+        .for_each(|path| diagnostics.note(format_args!("{} is of another kind, and left out", path.display())));
     let next = run_line(args, &scan_topics);
     let is_described = !described.is_empty();
     if let Some(out) = &mut json {

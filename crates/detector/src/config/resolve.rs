@@ -286,7 +286,9 @@ impl Resolved {
             layer: layer.name.clone(),
             section: self.name,
             kind: wanted.to_string(),
-            nearest: if name.starts_with(CODE) {
+            nearest: if name.strip_prefix(CODE).is_some_and(|callable| !callable.contains('.')) {
+                format!("a stage of Python is {CODE}MODULE.FUNCTION")
+            } else if name.starts_with(CODE) {
                 format!(
                     "a stage of Python runs in the wheel's program alone (`python/run --install`, docs/python.md), where the \
                      command line names it: --set {}.kind={name}",

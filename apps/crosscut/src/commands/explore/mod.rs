@@ -100,7 +100,7 @@ enum Place {
 }
 
 fn jobs(args: &ExploreArgs) -> anyhow::Result<Vec<Job>> {
-    let seeds = || (0..args.count as u64).map(|number| args.seed.wrapping_add(number));
+    let seeds = || (0..args.count.get() as u64).map(|number| args.seed.wrapping_add(number));
     if let Some(path) = &args.plan {
         let in_plan = |error: &dyn std::fmt::Display| UsageError(format!("{}: {error}", path.display()));
         let text = text_file::read(path).map_err(|error| in_plan(&error))?;

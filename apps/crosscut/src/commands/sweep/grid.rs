@@ -22,7 +22,7 @@ impl Grid {
     /// From texts of the form `KEY=V1,V2...`.
     ///
     /// # Errors
-    /// When a text has another form, or a key stands twice.
+    /// When a text has another form, or a key or one of its values stands twice.
     pub(super) fn parse(texts: &[String]) -> Result<Self, UsageError> {
         let mut grid = Self { keys: Vec::new(), points: vec![Vec::new()] };
         for text in texts {
@@ -35,6 +35,10 @@ impl Grid {
             }
             grid.keys.push(key.to_owned());
             let values = values_of(values);
+            let is_twice = |(at, value): &(usize, &String)| values[..*at].iter().any(|before| are_same(before, value));
+            if let Some((_, value)) = values.iter().enumerate().find(is_twice) {
+                return Err(UsageError(format!("--grid {text}: {key} has the value {value} twice")));
+            }
             let with = |point: &Vec<String>| {
                 let point = point.clone();
                 values.iter().map(move |value| [point.as_slice(), std::slice::from_ref(value)].concat())
@@ -101,6 +105,12 @@ fn values_of(text: &str) -> Vec<String> {
     values.map(str::to_owned).collect()
 }
 
+/// Whether two values are the same, as 0.6 and 0.60 are.
+fn are_same(a: &str, b: &str) -> bool {
+    let number = |text: &str| text.trim().parse::<f64>().ok();
+    a.trim() == b.trim() || number(a).is_some_and(|a| number(b) == Some(a))
+}
+
 /// A setting as the command line has it.
 fn named((key, value): (&String, &String)) -> String {
     format!("{key}={value}")
@@ -133,9 +143,10 @@ mod tests {
     }
 
     #[test]
-    fn a_grid_without_values_or_with_a_key_twice_is_refused() {
+    fn a_grid_without_values_or_with_one_twice_is_refused() {
         assert!(parse(&["affinity.kind"]).is_err_and(|error| error.contains("KEY=V1,V2")));
         assert!(parse(&["affinity.kind="]).is_err());
         assert!(parse(&["a.b=1", "a.b=2"]).is_err_and(|error| error.contains("a.b twice")));
+        assert!(parse(&["a.b=0.6,1,0.60"]).is_err_and(|error| error.contains("a.b has the value 0.60 twice")));
     }
 }

@@ -1,9 +1,11 @@
 //! What the columns of a table hold, by their names and by its first rows.
 
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 
 use super::dialect::Dialect;
-use super::names::{Geometry, Meaning, Name};
+use super::names::{Geometry, Meaning, NS_PER_S, Name};
 use crate::Found;
 
 /// Rows with fewer cells and no names are points, or pairs of angles and distances.
@@ -12,8 +14,16 @@ const LEAST_BARE_RANGES: usize = 8;
 const LEAST_UNKNOWN_RANGES: usize = 8;
 /// This many rows show that a column counts up, as no beam does.
 const LEAST_COUNTING: usize = 5;
+/// Numbers of a time since 1970, in seconds (from 2001 on) to nanoseconds. No range is as large in any unit.
+const EPOCHS: RangeInclusive<f64> = 1e9..=4e18;
+/// A table has at most this many columns of such times: others are a way to write that there is no return.
+const MOST_TIMES: usize = 2;
+/// Numbers between whole seconds that reach this are nanoseconds after them: as ranges they were kilometres in every unit.
+const LEAST_NANOSECONDS: f64 = 1e7;
 /// The steps of bearings and of counters are equal to within this share.
 const EVEN: f64 = 0.05;
+/// All but this share of the steps of a time are even: where files were joined, it begins again.
+const UNEVEN_SHARE: f64 = 0.1;
 /// Bearings are in radians up to this, and in degrees up to that.
 const LARGEST_RAD: f64 = 6.4;
 const LARGEST_DEG: f64 = 361.0;
@@ -91,32 +101,70 @@ impl Columns {
         if rows.len() > 1 && rows.iter().all(|row| row.last().is_some_and(|cell| cell.is_nan())) {
             columns.ranges.pop();
         }
-        columns.drop_counters(rows);
-        columns.taken = match (columns.stamp, columns.ranges[0]) {
-            (Some(_), _) => format!("the first of {count} columns is the time, the others are ranges"),
-            (None, 1) => format!("the first of {count} columns counts the rows, the others are ranges"),
-            _ => format!("{} columns of ranges", columns.ranges.len()),
+        let numbers_rows = columns.drop_counters(rows);
+        columns.taken = match columns.stamp {
+            Some(TimeColumn::One { column, .. }) => {
+                format!("column {} of {count} is the time, the others are ranges", column + 1)
+            }
+            Some(TimeColumn::Two { seconds, nanoseconds }) => format!(
+                "columns {} and {} of {count} are the seconds and nanoseconds of the time, the others are ranges",
+                seconds + 1,
+                nanoseconds + 1
+            ),
+            None if numbers_rows => format!("column 1 of {count} counts the rows, the others are ranges"),
+            None => format!("{} columns of ranges", columns.ranges.len()),
         };
         Ok(columns)
     }
 
-    /// A first column that counts up evenly, as the beam beside it does not, is a time or the number of the row.
-    fn drop_counters(&mut self, rows: &[Vec<f64>]) {
-        let &[first, second, ..] = &self.ranges[..] else { return };
-        if rows.len() < LEAST_COUNTING || !counts_up(rows, first) || counts_up(rows, second) {
+    /// Takes the columns that are no beams from the ranges: times, and the number of the row, of which there was one if this is
+    /// true.
+    fn drop_counters(&mut self, rows: &[Vec<f64>]) -> bool {
+        self.drop_epochs(rows);
+        let &[first, second, ..] = &self.ranges[..] else { return false };
+        if rows.len() < LEAST_COUNTING || counts_up(rows, second) {
+            return false;
+        }
+        let steps: Vec<f64> =
+            numbers_of(rows, first).zip(numbers_of(rows, first).skip(1)).map(|(a, b)| b - a).collect();
+        let start = rows[0][first];
+        let is_number = [0.0, 1.0].contains(&start) && steps.iter().all(|step| *step == 1.0);
+        // Since the start of the flight, in fractions of seconds or in whole ones.
+        let is_time = start == 0.0 && (is_even(&steps) || is_of_whole_steps(&steps));
+        if is_number || is_time {
+            self.ranges.remove(0);
+        }
+        if is_time && !is_number && self.stamp.is_none() {
+            self.stamp = Some(TimeColumn::One { column: first, unit_ns: Name::default().unit_ns(start) });
+        }
+        is_number
+    }
+
+    /// A column of times since 1970 is no beam, in whatever order they are.
+    fn drop_epochs(&mut self, rows: &[Vec<f64>]) {
+        let has_epoch = |column: &&usize| numbers_of(rows, **column).any(|number| EPOCHS.contains(&number));
+        let times: Vec<usize> = self.ranges.iter().filter(has_epoch).copied().collect();
+        let is_epoch = |column: &usize| {
+            let mut numbers = numbers_of(rows, *column).filter(|number| !number.is_nan());
+            numbers.all(|number| EPOCHS.contains(&number))
+        };
+        if times.is_empty() || times.len() > MOST_TIMES || !times.iter().all(is_epoch) {
             return;
         }
-        let start = rows[0][first];
-        let step = rows[1][first] - start;
-        let is_epoch = start >= 1e8;
-        let is_even = rows.windows(2).all(|pair| ((pair[1][first] - pair[0][first]) / step - 1.0).abs() <= EVEN);
-        let is_number = is_even && step == 1.0 && (start == 0.0 || start == 1.0);
-        if is_epoch || is_number || (is_even && start == 0.0) {
-            self.ranges.remove(0);
-            if !is_number && self.stamp.is_none() {
-                self.stamp = Some(TimeColumn::One { column: first, unit_ns: Name::default().unit_ns(start) });
+        let column = times[0];
+        let nanoseconds = self.ranges.iter().copied().find(|next| *next == column + 1 && are_nanoseconds(rows, *next));
+        self.ranges.retain(|beam| !times.contains(beam));
+        let first = numbers_of(rows, column).find(|number| !number.is_nan()).unwrap_or(0.0);
+        let unit_ns = Name::default().unit_ns(first);
+        let is_whole = unit_ns == NS_PER_S && numbers_of(rows, column).all(|number| number.fract() == 0.0);
+        let time = match nanoseconds.filter(|_| is_whole) {
+            Some(nanoseconds) => {
+                self.ranges.retain(|beam| *beam != nanoseconds);
+                TimeColumn::Two { seconds: column, nanoseconds }
             }
-        }
+            None => TimeColumn::One { column, unit_ns },
+        };
+        self.stamp.get_or_insert(time);
     }
 
     /// The columns that stand alone: times and geometry. Those whose first cell is no number hold none.
@@ -242,10 +290,34 @@ pub(super) fn count_up(cells: &[&str]) -> bool {
     cells.len() >= LEAST_BARE_RANGES && (counts_from(0) || counts_from(1))
 }
 
+/// The numbers of a column, NaN where there is none.
+fn numbers_of(rows: &[Vec<f64>], column: usize) -> impl Iterator<Item = f64> {
+    rows.iter().map(move |row| row.get(column).copied().unwrap_or(f64::NAN))
+}
+
 /// Whether the numbers of a column grow from row to row.
 fn counts_up(rows: &[Vec<f64>], column: usize) -> bool {
-    let cell = |row: &Vec<f64>| row.get(column).copied().unwrap_or(f64::NAN);
-    rows.windows(2).all(|pair| cell(&pair[1]) > cell(&pair[0]))
+    numbers_of(rows, column).is_sorted_by(|a, b| a < b)
+}
+
+/// Whether nearly all steps are equal and upwards.
+fn is_even(steps: &[f64]) -> bool {
+    let mut sorted = steps.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let usual = sorted[sorted.len() / 2];
+    let uneven = steps.iter().filter(|step| (*step / usual - 1.0).abs().partial_cmp(&EVEN) != Some(Ordering::Less));
+    usual > 0.0 && uneven.count() as f64 <= UNEVEN_SHARE * steps.len() as f64
+}
+
+/// Whether steps are those of whole seconds, which several scans share.
+fn is_of_whole_steps(steps: &[f64]) -> bool {
+    steps.contains(&1.0) && steps.iter().all(|step| [0.0, 1.0].contains(step))
+}
+
+/// Whether a column may hold the nanoseconds after whole seconds.
+fn are_nanoseconds(rows: &[Vec<f64>], column: usize) -> bool {
+    numbers_of(rows, column).all(|number| number.fract() == 0.0 && (0.0..NS_PER_S).contains(&number))
+        && numbers_of(rows, column).any(|number| number >= LEAST_NANOSECONDS)
 }
 
 /// What a table without ranges is.

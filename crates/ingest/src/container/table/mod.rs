@@ -15,7 +15,7 @@ use crosscut_sensor::{CsvGeometry, rescale};
 
 use self::columns::{Columns, TimeColumn};
 pub(crate) use self::dialect::Dialect;
-use self::names::Geometry;
+use self::names::{Geometry, NS_PER_S};
 use super::lines::{Line, LineFormat, next_line};
 use super::resting_file::RestingFile;
 use super::{ChannelId, Message, Topic};
@@ -23,7 +23,6 @@ use crate::{Found, IngestError};
 
 /// The only channel.
 const SCANS: ChannelId = 0;
-const NS_PER_S: f64 = 1e9;
 
 /// This many rows show what the columns hold; less, if they take more than that.
 const SAMPLED_ROWS: usize = 64;
@@ -213,7 +212,9 @@ impl Table {
 
     fn time_ns(&self, time: TimeColumn, cells: &[&str]) -> Result<u64, String> {
         let wrong = |column: usize| format!("`{:.20}` is no time", cells[column]);
-        let whole = |column: usize| cells[column].parse::<u64>().ok();
+        let of_float =
+            |column: usize| self.dialect.number(cells[column]).filter(|time| *time >= 0.0 && time.fract() == 0.0);
+        let whole = |column: usize| cells[column].parse::<u64>().ok().or_else(|| Some(of_float(column)? as u64));
         match time {
             TimeColumn::One { column, unit_ns } => {
                 let exact = whole(column).filter(|_| unit_ns == 1.0);
@@ -399,6 +400,34 @@ mod tests {
         }
         let leaving = rows(&|i| format!("{}.5", i + 1));
         assert_eq!(scans(&leaving)[0].ranges.len(), 9, "a wall that is left behind is a beam");
+    }
+
+    #[test]
+    fn stamps_that_repeat_or_go_back_are_no_beams() {
+        const EPOCH: usize = 1_700_000_000;
+        let rows = |stamp: &dyn Fn(usize) -> String| -> String {
+            (0..30)
+                .map(|i| {
+                    format!("{},{}\n", stamp(i), cells(8, ",", |j| ["inf", "1e30", "2", "3"][(i * j) % 4].to_owned()))
+                })
+                .collect()
+        };
+        for (text, last_ns) in [
+            (rows(&|i| (EPOCH + i / 10).to_string()), 1_700_000_002_000_000_000),
+            (rows(&|_| EPOCH.to_string()), 1_700_000_000_000_000_000),
+            (rows(&|i| format!("{}.5", EPOCH - i)), 1_699_999_971_500_000_000),
+            (rows(&|i| format!("{},{}00000000", EPOCH + i / 10, i % 10)), 1_700_000_002_900_000_000),
+            (rows(&|i| (i / 10).to_string()), 2_000_000_000),
+            (rows(&|i| format!("{:.1}", if i < 20 { i } else { i - 20 } as f64 * 0.1)), 900_000_000),
+        ] {
+            let read = scans(&text);
+            let last = &read[29];
+            assert_eq!((last.ranges.len(), last.header.stamp.to_ns()), (8, Some(last_ns)), "{text}");
+        }
+        let behind = rows(&|i| format!("{}.5", i % 3 + 1)).replace('\n', &format!(",{EPOCH}\n"));
+        assert_eq!(scans(&behind)[0].ranges.len(), 9, "a stamp behind the ranges");
+        let sentinel = rows(&|_| "4294967295,4294967295,4294967295".to_owned());
+        assert_eq!(scans(&sentinel)[0].ranges.len(), 11, "how some write that there is no return");
     }
 
     #[test]

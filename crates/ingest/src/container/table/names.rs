@@ -1,7 +1,7 @@
 //! What the names of columns say: `field.ranges12`, `ranges_12`, `/scan/ranges[12]`, `r12 (mm)`.
 
 /// Nanoseconds in a second.
-const NS_PER_S: f64 = 1e9;
+pub(super) const NS_PER_S: f64 = 1e9;
 
 /// Names of columns that hold a time.
 const TIMES: [&str; 10] =
