@@ -117,6 +117,18 @@ fn a_loop_of_a_plan_is_flown_through_and_left() {
 }
 
 #[test]
+fn of_junctions_eleven_metres_apart_none_is_passed_over() {
+    let nodes = [(-20, 0), (0, 0), (11, 0), (22, 0), (40, 0), (0, -16), (11, 16), (22, -16)];
+    let nodes = nodes.iter().enumerate().map(|(id, (x, y))| format!(r#"{{"id":{id},"x_m":{x},"y_m":{y}}}"#));
+    let edges = [(0, 1), (1, 2), (2, 3), (3, 4), (1, 5), (2, 6), (3, 7)];
+    let edges = edges.map(|(from, to)| format!(r#"{{"from":{from},"to":{to},"width_m":4.5}}"#)).join(",");
+    let plan = format!(r#"{{"nodes":[{}],"edges":[{edges}]}}"#, nodes.collect::<Vec<_>>().join(","));
+    let world = Plan::from_json(&plan).and_then(|plan| plan.world(1)).expect("a world");
+    let flown = mission(&world, "nearest_frontier", Agility::default(), 1, 6000);
+    assert!(flown.is_success(), "{} of {} ways: {:?}", flown.ways_visited, flown.ways, flown.missed_m);
+}
+
+#[test]
 fn a_resumed_mission_knows_all_that_it_knew() {
     let (registry, world) = (Registry::standard(), tee(3));
     let config = Settings::new(Preset::Default).config(&registry).expect("the default settings");

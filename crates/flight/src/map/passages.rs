@@ -66,7 +66,8 @@ impl Mapper {
         }
     }
 
-    /// Drops passages that no way leads to: the same one from the same way, seen twice.
+    /// Drops passages that no way leads to: the same one from the same way, seen twice; a turn within one way, between two nodes
+    /// that are one.
     pub(super) fn drop_passages_twice(&mut self) {
         while let Some(gone) = (0..self.map.passages.len()).find(|&passage| !self.is_of_both_ends(passage)) {
             self.map.passages.remove(gone);
@@ -81,16 +82,24 @@ impl Mapper {
         }
     }
 
+    /// Whether a way leads to it at either end: two ways, if it leads from a node back to it.
     fn is_of_both_ends(&self, passage: usize) -> bool {
-        let is_of = |node: usize| self.map.nodes[node].ways.iter().any(|way| way.passage == Some(passage));
+        let ways = |node: usize| self.map.nodes[node].ways.iter().filter(|way| way.passage == Some(passage)).count();
         let of = &self.map.passages[passage];
-        is_of(of.from) && is_of(of.to)
+        if of.from == of.to { ways(of.from) > 1 } else { ways(of.from) > 0 && ways(of.to) > 0 }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeMap;
+    use std::sync::Arc;
+
+    use nalgebra::Isometry2;
+
     use super::*;
+    use crate::map::mapper::Place;
+    use crate::map::outline::Walls;
     use crate::map::{Node, NodeWay};
     use crate::{HereKind, Mapper};
 
@@ -114,5 +123,42 @@ mod tests {
             assert_eq!(mapper.map.passages.len(), left, "nearer than {nearer_m} m");
             assert_eq!(mapper.map.nodes.iter().filter(|node| leads(node)).count(), 2 * left);
         }
+    }
+
+    #[test]
+    fn a_turn_within_a_way_of_a_place_mapped_twice_is_no_passage() {
+        let way = |bearing_rad: f64, passage| NodeWay { bearing_rad, width_m: 4.0, taken: true, passage };
+        // The second node is the first one, seen again after a turn in its first way; another passage leads to a third.
+        let first = vec![way(0.0, Some(0)), way(1.6, Some(1)), way(3.1, None)];
+        let mut mapper = Mapper::default();
+        for ways in [first, vec![way(0.0, Some(0))], vec![way(-1.5, Some(1))]] {
+            let ways_rad = ways.iter().map(|way| way.bearing_rad).collect();
+            let (walls, belief) = (Arc::new(Walls::new(&[])), BTreeMap::new());
+            mapper.places.push(Place { walls, ways_rad, first_visit: 0, belief });
+            mapper.map.nodes.push(Node {
+                kind: HereKind::Junction,
+                position_m: Point2::origin(),
+                ways,
+                visits: vec![[0, 1]],
+            });
+        }
+        mapper.graph.poses = vec![Isometry2::identity()];
+        let (length_sd_m, stretch_ns, via_m) = (None, [0, 1], Vec::new());
+        let passage = |to: usize, length_m: f64| Passage {
+            from: 0,
+            to,
+            length_m,
+            length_sd_m,
+            width_m: 4.0,
+            stretch_ns,
+            via_m: Vec::clone(&via_m),
+        };
+        mapper.map.passages = vec![passage(1, 6.0), passage(2, 30.0)];
+        mapper.courses = vec![(0, Vec::new()); 2];
+        mapper.absorb(1, 0);
+        let left: Vec<[usize; 2]> = mapper.map.passages.iter().map(|passage| [passage.from, passage.to]).collect();
+        assert_eq!(left, [[0, 1]], "{:?}", mapper.map);
+        let leads: Vec<Option<usize>> = mapper.map.nodes[0].ways.iter().map(|way| way.passage).collect();
+        assert_eq!(leads, [None, Some(0), None]);
     }
 }

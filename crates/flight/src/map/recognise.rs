@@ -45,8 +45,10 @@ const SAME_RAD: f64 = 0.4;
 /// A place to which no known way leads is thought of from this share on.
 const GUESSED_SHARE: f64 = 0.85;
 
-/// This many other places have to agree.
+/// This many other places have to agree, and this many more than on the stretch lying elsewhere: along a row of places that look
+/// alike, shifted by one, all but one agree.
 const AGREED_PLACES: usize = 2;
+const AGREED_LEAD: usize = 2;
 
 /// Where two visits take a stretch to lie agrees within this.
 const AGREED_RAD: f64 = 0.15;
@@ -134,26 +136,29 @@ impl Mapper {
     }
 
     /// Of places that a visit may be to although no known way leads there: the one that agrees with what other visits since
-    /// may have been to. Three places in their right relation are no chance; one may look like many.
+    /// may have been to. Three places in their right relation are no chance, unless places stand in a row; one may look like many.
     fn agreed(&mut self, visit: &Visit, guesses: Vec<Candidate>) -> Option<(Candidate, Option<f64>)> {
         let guess = |candidate: &Candidate| {
             let stretch = self.graph.poses[self.places[candidate.node].first_visit] * candidate.fit.pose;
             Guess { node: candidate.node, stretch: stretch * visit.anchor.inverse() }
         };
         let made: Vec<Guess> = guesses.iter().map(guess).collect();
-        let agrees = |at: &usize| {
-            let (of, place) = (&made[*at], Point2::from(visit.anchor.translation.vector));
-            let agrees = |other: &&Guess| {
-                let off_rad = of.stretch.rotation.angle_to(&other.stretch.rotation).abs();
-                let off_m = (of.stretch * place - other.stretch * place).norm();
-                other.node != of.node && off_rad < AGREED_RAD && off_m < ANCHORS_M
-            };
-            let others: BTreeSet<usize> = self.guesses.iter().filter(agrees).map(|other| other.node).collect();
-            others.len() >= AGREED_PLACES
+        let place_m = Point2::from(visit.anchor.translation.vector);
+        let is_one = |of: &Guess, other: &Guess| {
+            let off_rad = of.stretch.rotation.angle_to(&other.stretch.rotation).abs();
+            off_rad < AGREED_RAD && (of.stretch * place_m - other.stretch * place_m).norm() < ANCHORS_M
         };
-        let agreed: Vec<usize> = (0..made.len()).filter(agrees).collect();
+        let agreeing = |of: &Guess| {
+            let others = self.guesses.iter().filter(|other| other.node != of.node && is_one(of, other));
+            others.map(|other| other.node).collect::<BTreeSet<_>>().len()
+        };
+        let agreed: Vec<usize> = (0..made.len()).filter(|&at| agreeing(&made[at]) >= AGREED_PLACES).collect();
+        let leads = |at: usize| {
+            let rivals = self.guesses.iter().filter(|other| !is_one(&made[at], other));
+            rivals.map(agreeing).all(|rival| agreeing(&made[at]) >= rival + AGREED_LEAD)
+        };
         let found = match agreed[..] {
-            [one] => guesses.into_iter().nth(one),
+            [one] if leads(one) => guesses.into_iter().nth(one),
             _ => None,
         };
         self.guesses.extend(made);

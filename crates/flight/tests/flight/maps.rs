@@ -230,8 +230,28 @@ fn a_pocket_beyond_a_bend_is_no_way() {
     assert!(differences.is_empty(), "{}: {differences:#?}", map.summary());
 }
 
+#[test]
+fn a_row_of_twins_beyond_a_gap_is_not_the_row_before_it() {
+    // Three tees 11 m apart, a gap of four seconds, three more of them; nothing tells how far it is between.
+    let nodes = (0..6).map(|tee| (11 * tee, 0)).chain((0..6).map(|tee| (11 * tee, 15))).chain([(-30, 0), (85, 0)]);
+    let nodes = nodes.enumerate().map(|(id, (x, y))| format!(r#"{{"id":{id},"x_m":{x},"y_m":{y}}}"#));
+    let edges =
+        [(12, 0), (0, 1), (1, 2), (2, 3), (3, 4), (4, 5), (5, 13)].into_iter().chain((0..6).map(|tee| (tee, tee + 6)));
+    let edges = edges.map(|(from, to)| format!(r#"{{"from":{from},"to":{to},"width_m":4}}"#));
+    let [nodes, edges] = [nodes.collect::<Vec<_>>(), edges.collect()].map(|of| of.join(","));
+    let plan = format!(r#"{{"nodes":[{nodes}],"edges":[{edges}],"roughness_m":0.02,"start":{{"node":12}}}}"#);
+    let (map, _) = map_with(&plan, |place_m| place_m.x < 100.0, |place_m| !(52.0..58.0).contains(&place_m.x));
+    let tees = map.nodes.iter().filter(|node| node.kind == HereKind::Junction).count();
+    assert_eq!((tees, map.merges.len()), (6, 0), "{}: {:?}", map.summary(), map.merges);
+}
+
 /// The map of a flight through a plan as long as `lasts` is true of its places, and the errors of that map.
 fn map_of(plan: &str, lasts: impl Fn(Point) -> bool) -> (Map, Vec<String>) {
+    map_with(plan, lasts, |_| true)
+}
+
+/// The same, with a recording that has only those places for which `has` is true.
+fn map_with(plan: &str, lasts: impl Fn(Point) -> bool, has: impl Fn(Point) -> bool) -> (Map, Vec<String>) {
     let scenes = Plan::from_json(plan).and_then(|plan| plan.fly(1)).expect("a plan");
     let mut mapper = Mapper::default();
     let mut truth: Option<MapTruth> = None;
@@ -240,6 +260,9 @@ fn map_of(plan: &str, lasts: impl Fn(Point) -> bool) -> (Map, Vec<String>) {
         let pose = scene.truth.pose.expect("a scene of a flight");
         if !lasts(Point::new(pose.x_m, pose.y_m)) {
             break;
+        }
+        if !has(Point::new(pose.x_m, pose.y_m)) {
+            continue;
         }
         let frame = follower.follow(&scene);
         mapper.add(frame);

@@ -20,9 +20,12 @@ impl Navigator {
             let has_left = self.left.is_none_or(|left| from_left_m > left.look_m + BEYOND_LOOK_M);
             let node = here.node();
             self.is_armed |= has_left && node.is_none();
+            // Of junctions that stand close, no passage is seen in between: this one is another if the vehicle is in its middle.
+            let is_in_middle = seen.is_some_and(|seen| seen.is_middle && seen.node() == node);
             let is_other = match node {
                 Some(HereKind::Junction) => {
                     self.is_armed
+                        || has_left && is_in_middle
                         || self.left.is_some_and(|left| match left.kind {
                             HereKind::DeadEnd => from_left_m > left.look_m,
                             _ => from_left_m > 2.0 * left.look_m + 2.0,
