@@ -244,7 +244,7 @@ impl Outline {
     fn local_width_m(&self) -> f64 {
         let mut after = 0;
         let across_m = self.rays.iter().filter_map(|ray| {
-            // What lies behind the rays turns as they do: the search begins where the last one ended, once a turn at the first.
+            // What lies behind the rays turns as they do: the search begins where the last one ended, and once at the first.
             let back_rad = self.after_first_rad(ray.bearing_rad + PI);
             let is_before = |at: usize| self.rays.get(at).is_some_and(|other| other.bearing_rad < back_rad);
             after = if after > 0 && !is_before(after - 1) { 0 } else { after };

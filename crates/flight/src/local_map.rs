@@ -23,13 +23,13 @@ pub(crate) const TURNED_RAD: f64 = 0.1;
 const SURELY_ALIKE: f64 = ALIKE + TURNED_RAD;
 const PERHAPS_ALIKE: f64 = ALIKE - 2.0 * TURNED_RAD;
 
-/// So many line points are kept as the nearest of a place.
+/// This many line points are kept as the nearest of a place.
 const NEAREST: usize = 4;
 
 /// Distances are compared with this much to spare, for rounding.
 pub(crate) const ROUNDING_M: f64 = 1e-9;
 
-/// The table of cells repeats itself each time after so many cells along either axis; a power of two.
+/// The table of cells repeats itself after this many cells along either axis; a power of two.
 const TABLE: i32 = 64;
 
 /// No cell.
