@@ -167,7 +167,12 @@ impl Mapper {
     fn one_of_two(&self) -> Option<(usize, Candidate, Option<f64>)> {
         (1..self.places.len()).rev().find_map(|from| {
             let of = &self.places[from];
-            let near = (0..from).filter(|&into| self.may_be_one(from, into)).collect::<Vec<_>>();
+            let mut near = (0..from).filter(|&into| self.may_be_one(from, into)).collect::<Vec<_>>();
+            if !near.is_empty() {
+                // Where no way that is known leads, places lie near to each other by nothing but a guess.
+                let flown = self.flown_to(of.first_visit);
+                near.retain(|&into| flown[self.places[into].first_visit].sd_m.is_some());
+            }
             let fits = near.into_iter().filter_map(|node| {
                 let place = &self.places[node];
                 let apart = self.graph.poses[place.first_visit].inv_mul(&self.graph.poses[of.first_visit]);

@@ -77,7 +77,7 @@ impl Mapper {
         but: Option<usize>,
     ) -> Option<(Candidate, Option<f64>)> {
         let (mut candidates, mut guesses): (Vec<Candidate>, Vec<Candidate>) = (Vec::new(), Vec::new());
-        let flown = self.flown_to_last();
+        let flown = self.graph.poses.len().checked_sub(1).map_or_else(Vec::new, |last| self.flown_to(last));
         for (node, place) in self.places.iter().enumerate() {
             if self.map.nodes[node].kind != visit.kind || Some(node) == but {
                 continue;
@@ -108,8 +108,8 @@ impl Mapper {
         self.decide(visit, candidates).or_else(|| self.agreed(visit, guesses))
     }
 
-    /// The best known way from each visit to the last one, over edges of the graph; infinite where there is none that is known.
-    fn flown_to_last(&self) -> Vec<Flown> {
+    /// The best known way from each visit to one of them, over edges of the graph; infinite where there is none that is known.
+    pub(super) fn flown_to(&self, visit: usize) -> Vec<Flown> {
         let unknown = Flown { way_m: f64::INFINITY, sd_m: None };
         let mut flown = vec![unknown; self.graph.poses.len()];
         let mut joined: Vec<Vec<(usize, f64, f64)>> = vec![Vec::new(); flown.len()];
@@ -119,10 +119,9 @@ impl Mapper {
                 joined[edge.to].push((edge.from, of.way_m, sd_m));
             }
         }
-        let Some(last) = flown.len().checked_sub(1) else { return flown };
-        flown[last] = Flown { way_m: 0.0, sd_m: Some(0.0) };
+        flown[visit] = Flown { way_m: 0.0, sd_m: Some(0.0) };
         // Bellman and Ford's queue: few visits have more than two edges.
-        let mut changed = VecDeque::from([last]);
+        let mut changed = VecDeque::from([visit]);
         while let Some(at) = changed.pop_front() {
             let Flown { way_m, sd_m: Some(sd_m) } = flown[at] else { continue };
             for &(to, more_m, more_sd_m) in &joined[at] {

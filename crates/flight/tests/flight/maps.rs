@@ -245,6 +245,23 @@ fn a_row_of_twins_beyond_a_gap_is_not_the_row_before_it() {
     assert_eq!((tees, map.merges.len()), (6, 0), "{}: {:?}", map.summary(), map.merges);
 }
 
+#[test]
+fn a_stretch_beyond_a_gap_joins_again_by_three_places() {
+    // Out past four tees that differ, into the end, and back, with a gap of four seconds each time at 100 m.
+    let plan = r#"{"nodes":[{"id":0,"x_m":-30,"y_m":0},{"id":1,"x_m":0,"y_m":0},{"id":2,"x_m":19,"y_m":3},{"id":3,"x_m":33,"y_m":0},
+        {"id":4,"x_m":57,"y_m":-4},{"id":5,"x_m":95,"y_m":0},{"id":6,"x_m":-4,"y_m":44},{"id":7,"x_m":28,"y_m":-44},
+        {"id":8,"x_m":46,"y_m":44},{"id":9,"x_m":48,"y_m":-48}],
+        "edges":[{"from":0,"to":1,"width_m":4},{"from":1,"to":2,"width_m":3.5},{"from":2,"to":3,"width_m":4.5},
+        {"from":3,"to":4,"width_m":3.6},{"from":4,"to":5,"width_m":4},{"from":1,"to":6,"width_m":3},{"from":2,"to":7,"width_m":4},
+        {"from":3,"to":8,"width_m":3.4},{"from":4,"to":9,"width_m":4.4}],"roughness_m":0.1,"start":{"node":0}}"#;
+    let (map, _) = map_with(plan, |_| true, |place_m| !(100.0..106.0).contains(&place_m.x));
+    let tees = map.nodes.iter().filter(|node| node.kind == HereKind::Junction).count();
+    assert_eq!(tees, 4, "{}: {:#?}", map.summary(), map.merges);
+    // The first two places of the stretch lie near those that they are by a guess; the third one tells.
+    let is_by_position = |merge: &&crosscut_flight::Merge| merge.why.starts_with("after the correction");
+    assert_eq!(map.merges[..3].iter().filter(is_by_position).count(), 0, "{:#?}", map.merges);
+}
+
 /// The map of a flight through a plan as long as `lasts` is true of its places, and the errors of that map.
 fn map_of(plan: &str, lasts: impl Fn(Point) -> bool) -> (Map, Vec<String>) {
     map_with(plan, lasts, |_| true)
