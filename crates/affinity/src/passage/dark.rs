@@ -16,7 +16,8 @@ const FAR_SHARE: f64 = 0.8;
 
 /// A dark gap is an opening if the wall turns by at least this.
 const DARK_TURN_RAD: f64 = 15.0 * PI / 180.0;
-/// A dark opening that ends at the end of the range is at least this share of the place's size wide.
+/// A dark opening that ends at the end of the range is at least this share of the place's size wide. Between two such
+/// ends the chord counts: hardly a return shows how the farther wall runs.
 const DARK_SHARE: f64 = 0.45;
 /// A dark opening that ends nearer is at least this share of the place's size wide: a dark surface is as likely there.
 const DARK_NEAR_SHARE: f64 = 0.7;
@@ -37,6 +38,9 @@ const BLANK_SHARE: f64 = 0.9;
 const DOOR_TIMES: f64 = 1.75;
 /// Behind a door, as far as the sensor sees, the dark is no wider than this share of the place's size, about a tunnel.
 const BEHIND_DOOR_SHARE: f64 = 1.5;
+
+/// What the distance of the ends of a dark gap measures.
+const DARK: &str = "nothing is seen from end to end over";
 
 /// How much room there is in a dark door. No corner can be missing in the dark, so the gap is as wide as its ends are
 /// apart. The door is itself a place where beams are lost if the wall clearly continues behind it.
@@ -60,16 +64,15 @@ pub(super) fn room_in_blank(gap: &Gap<'_>) -> Option<Measured> {
     let is_wide = dark_rad > BLANK_RAD && (is_as_of_opening || gap.turns.whole_rad > DARK_TURN_RAD);
     let patch_m = if gap.near_m > FAR_OFF_SHARE * size_m { dark_rad * gap.near_m } else { 0.0 };
     let is_blank = is_wide || (patch_m > PATCH_SHARE * size_m && gap.is_not_lost());
-    let room = || {
-        let needed_m = BLANK_SHARE * size_m;
-        Measured::metres(
-            "nothing is seen from end to end over",
-            chord_m,
-            "where beams get lost an opening needs",
-            needed_m,
-        )
-    };
+    let room = || Measured::metres(DARK, chord_m, "where beams get lost an opening needs", BLANK_SHARE * size_m);
     is_blank.then(room)
+}
+
+/// How much room there is at the dark end of a tunnel.
+pub(super) fn room_at_dark_end(gap: &Gap<'_>) -> Option<Measured> {
+    let is_end = !gap.turns_back() && gap.is_dark_end();
+    let needed_m = DARK_SHARE * gap.context.scan.size_m;
+    is_end.then(|| Measured::metres(DARK, gap.chord_m(), "at the end of the range an opening needs", needed_m))
 }
 
 impl Gap<'_> {
@@ -89,6 +92,11 @@ impl Gap<'_> {
     /// Whether the wall turns right, so that a patch of it may be dark.
     fn turns_back(&self) -> bool {
         self.turns.whole_rad <= -DARK_TURN_RAD
+    }
+
+    /// Whether both ends lie at the end of the range, and nothing between them was lost.
+    fn is_dark_end(&self) -> bool {
+        self.is_far(self.near_m) && self.is_dark && !self.is_shaded && self.is_not_lost()
     }
 
     /// Whether nothing is seen across the line of sight, well before the end of the range, and the place behind need

@@ -57,7 +57,7 @@ pub(super) const WIDTH: &str = "width for the turn";
 pub(super) const DOOR: &str = "nothing is seen in a door";
 
 /// The rules. Of one group, the rule that finds the most room decides; of equal ones, the first.
-pub(super) const RULES: [Rule; 9] = [
+pub(super) const RULES: [Rule; 10] = [
     Rule { name: "width", words: WIDTH, group: RuleGroup::Clear, room: rules::room_in_width },
     Rule { name: "inside", words: "depth behind the nearer wall", group: RuleGroup::Clear, room: rules::room_inside },
     Rule { name: "face", words: "the face of a corner", group: RuleGroup::Clear, room: rules::room_before_face },
@@ -82,6 +82,12 @@ pub(super) const RULES: [Rule; 9] = [
     Rule { name: "doors", words: DOOR, group: RuleGroup::Dark, room: dark::room_in_door },
     Rule { name: "blank", words: "nothing is seen", group: RuleGroup::Dark, room: dark::room_in_blank },
     Rule {
+        name: "dark_end",
+        words: "nothing is seen at the end of the range",
+        group: RuleGroup::Dark,
+        room: dark::room_at_dark_end,
+    },
+    Rule {
         name: "side_passage",
         words: "the face of a side passage",
         group: RuleGroup::Last,
@@ -90,7 +96,7 @@ pub(super) const RULES: [Rule; 9] = [
 ];
 
 /// The vetoes. The first that holds decides.
-const VETOES: [Veto; 3] = [
+const VETOES: [Veto; 4] = [
     Veto {
         name: "line",
         words: "the line of the nearer wall goes on",
@@ -99,6 +105,12 @@ const VETOES: [Veto; 3] = [
     },
     Veto { name: CORNER, words: "an inner corner", phase: VetoPhase::OfClearRules, holds: |gap| gap.in_corner() },
     Veto { name: "slit", words: "a slit", phase: VetoPhase::OfOpenings, holds: |gap| gap.in_slit() },
+    Veto {
+        name: "long_line",
+        words: "the line of the nearer wall over 3 m goes on",
+        phase: VetoPhase::OfOpenings,
+        holds: |gap| gap.in_long_line(),
+    },
 ];
 
 /// The veto of inner corners, which a side passage is not either.
