@@ -240,6 +240,15 @@ fn outputs_do_not_replace_the_flight_and_settings_can_be_used_again() {
 }
 
 #[test]
+fn several_settings_in_a_line_are_set_each() {
+    let commands = "set report.min_returns=5 affinity.without=[\"slit\",\"corner\"] vehicle.width_m=0.9\nsettings\n";
+    let ran = play(&["--preset", "default"], commands).expect_code(0);
+    for part in ["report.min_returns = 5", "affinity.without = [\"slit\", \"corner\"]", "vehicle.width_m = 0.9"] {
+        assert!(ran.stdout.contains(part), "{part}: {}", ran.stdout);
+    }
+}
+
+#[test]
 fn a_flight_that_cannot_be_read_and_wrong_settings_end_with_their_codes() {
     let run = |args: &[&str]| Ran::from(crosscut(args).stdin(Stdio::null()).output().expect("the program starts"));
     run(&["debug", "nowhere.mcap"]).expect_code(1);

@@ -46,7 +46,8 @@ const BEAD_PX: f64 = 5.0;
 pub(crate) struct Drawing {
     map: Map,
     walls_m: Vec<[f64; 2]>,
-    path_m: Vec<[f64; 2]>,
+    /// In stretches: how one lies to the one before was not seen.
+    path_m: Vec<Vec<[f64; 2]>>,
     /// Places of the path where the answer was unsure.
     unsure_m: Vec<[f64; 2]>,
 }
@@ -72,8 +73,8 @@ impl Drawing {
     pub(crate) fn of(map: Map, seen: &Seen, mapper: &Mapper) -> Self {
         let placed_m = |at: &Anchored| mapper.placed(at).translation.vector.into();
         let placed = |of: &[Anchored]| -> Vec<[f64; 2]> { of.iter().map(placed_m).collect() };
-        let path_m = placed(seen.path());
-        let unsure_m = seen.unsure_at().iter().map(|at| path_m[*at]).collect();
+        let path_m = seen.stretches().map(placed).collect();
+        let unsure_m = seen.unsure_at().iter().map(|at| placed_m(&seen.path()[*at])).collect();
         Self { map, walls_m: placed(seen.walls()), path_m, unsure_m }
     }
 
@@ -100,7 +101,7 @@ impl Drawing {
         for (nth, (words, sign)) in legend.into_iter().enumerate() {
             let y_px = tenth(below_px + nth as f64 * LEGEND_LINE_PX);
             let sign = sign.set("transform", format!("translate({} {})", MARGIN_PX + 0.5 * WAY_PX, y_px - 4.0));
-            page = page.add(sign).add(text(words, [MARGIN_PX + SIGN_PX, y_px], "start"));
+            page = page.add(sign).add(text(&words, [MARGIN_PX + SIGN_PX, y_px], "start"));
         }
         let bar_px = [MARGIN_PX, tenth(below_px - MARGIN_PX + 4.0)];
         bar(page, bar_px, round_length_m(BAR_SHARE * width_m), px_per_m).to_string()
@@ -111,7 +112,7 @@ impl Drawing {
         let Self { map, walls_m, path_m, .. } = self;
         let courses_m = map.passages.iter().flat_map(|passage| &passage.via_m);
         let of_map = map.nodes.iter().map(|node| &node.position_m).chain(courses_m).map(|at_m| [at_m.x, at_m.y]);
-        let places_m = of_map.chain(walls_m.iter().chain(path_m).copied());
+        let places_m = of_map.chain(walls_m.iter().chain(path_m.iter().flatten()).copied());
         let ends = places_m.fold(None, |ends: Option<[[f64; 2]; 2]>, at_m| {
             let [low_m, high_m] = ends.unwrap_or([at_m; 2]);
             Some([[0, 1].map(|axis| low_m[axis].min(at_m[axis])), [0, 1].map(|axis| high_m[axis].max(at_m[axis]))])
@@ -129,7 +130,9 @@ impl Drawing {
             .map(|[x, y]| format!("M{} {}h0", tenth(x as f64 * SQUARE_PX), tenth(y as f64 * SQUARE_PX)))
             .collect();
         page = page.add(dotted(&dots, WALLS, DOT_PX));
-        page = page.add(course(path_m.iter().copied(), scale, WALLS, 1.0));
+        for stretch_m in path_m {
+            page = page.add(course(stretch_m.iter().copied(), scale, WALLS, 1.0));
+        }
         for passage in &map.passages {
             page = page.add(course(map.course_m(passage).map(|at_m| [at_m.x, at_m.y]), scale, PASSAGE, 3.0));
         }
@@ -146,7 +149,7 @@ impl Drawing {
     }
 
     /// The words and the sign of each thing that is drawn.
-    fn legend(&self) -> Vec<(&'static str, Group)> {
+    fn legend(&self) -> Vec<(String, Group)> {
         let Map { nodes, passages, .. } = &self.map;
         let has = |kind: HereKind| nodes.iter().any(|node| node.kind == kind);
         let has_way = |taken: bool| nodes.iter().flat_map(|node| &node.ways).any(|way| way.taken == taken);
@@ -157,20 +160,28 @@ impl Drawing {
         let sign = |of| Group::new().add(place(of));
         let dots = "M-8 0h0M-4 1h0M0 0h0M4 -1h0M8 0h0";
         let beads = "M-7 0h0M0 0h0M7 0h0";
+        let way = match self.path_m.len() {
+            0 | 1 => "way of the vehicle".to_owned(),
+            stretches => format!("way of the vehicle, which was lost between its {stretches} stretches"),
+        };
         let entries = [
             (
                 !self.walls_m.is_empty(),
                 "walls, where the lidar saw them",
                 Group::new().add(dotted(dots, WALLS, DOT_PX)),
             ),
-            (!self.path_m.is_empty(), "way of the vehicle", stroke(WALLS, 1.0)),
+            (!self.path_m.is_empty(), &*way, stroke(WALLS, 1.0)),
             (!self.unsure_m.is_empty(), "where the count was unsure", Group::new().add(dotted(beads, UNSURE, BEAD_PX))),
             (!passages.is_empty() || has_way(true), "passage, and a way that was taken", stroke(PASSAGE, 3.0)),
             (has_way(false), "way that was not taken", stroke(NOT_TAKEN, 4.0)),
             (has(HereKind::Junction), "junction, by its number", sign(HereKind::Junction)),
             (has(HereKind::DeadEnd), "dead end", sign(HereKind::DeadEnd)),
         ];
-        entries.into_iter().filter(|(is_drawn, ..)| *is_drawn).map(|(_, words, sign)| (words, sign)).collect()
+        entries
+            .into_iter()
+            .filter(|(is_drawn, ..)| *is_drawn)
+            .map(|(_, words, sign)| (words.to_owned(), sign))
+            .collect()
     }
 }
 
@@ -239,7 +250,8 @@ mod tests {
         let map = Map { nodes: vec![node], ..Map::default() };
         let walls_m = vec![[-2.0, 1.0], [3.0, 1.0]];
         let title = "1 junction: 1 tee; 0 dead ends; 0 loops; 2 ways not taken";
-        let svg = Drawing { map, walls_m, path_m: Vec::new(), unsure_m: vec![[1.0, 0.0]] }.svg(title, WIDE_PX);
+        let drawing = Drawing { map, walls_m, path_m: Vec::new(), unsure_m: vec![[1.0, 0.0]] };
+        let svg = drawing.svg(title, WIDE_PX);
         let width_px =
             svg.split("width=\"").nth(1).and_then(|rest| rest.split('"').next()).and_then(|px| px.parse().ok());
         assert!(width_px.is_some_and(|width_px: f64| width_px > title.len() as f64 * 7.0), "{width_px:?}");

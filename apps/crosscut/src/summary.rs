@@ -63,7 +63,7 @@ pub(crate) fn counts(summary: &Summary) -> Table {
             junctions.to_string(),
             answers.revolutions.to_string(),
             share(answers.revolutions, summary.revolutions),
-            share(answers.sure, answers.revolutions),
+            if answers.rated == 0 { "-".to_owned() } else { share(answers.sure, answers.revolutions) },
         ]
     };
     table(&["walls", "revolutions", "share", "of these, sure"], summary.junctions.iter().map(row).collect())

@@ -6,6 +6,7 @@ use std::time::Instant;
 use crosscut_evaluate::Score;
 use crosscut_evaluate::stage_values::{first_difference, stage_values};
 use crosscut_evaluate::verdict::{Surer, Verdict, listed, thousands};
+use crosscut_report::CONFIDENCE;
 use crosscut_stage::counted;
 use serde_json::json;
 
@@ -93,8 +94,10 @@ impl Session {
         let means = &self.means;
         let held = self.held.as_mut().ok_or_else(nothing_held)?;
         let flight = self.now.given.flight.clone();
+        let rules = [&*held, &self.now].map(|side| side.given.config.params("report").get(CONFIDENCE).to_owned());
         let held = beside(held, &flight, means)?;
-        let (mut surer, mut verdict, mut differ) = (Surer::default(), None, Vec::new());
+        let mut surer = Surer::by([&rules[0], &rules[1]]);
+        let (mut verdict, mut differ) = (None, Vec::new());
         let (mut mended, mut broken) = (Vec::new(), Vec::new());
         for ((now, held), scan) in self.now.answers(means)?.iter().zip(held).zip(flight.iter()) {
             let Some(held) = held else { continue };

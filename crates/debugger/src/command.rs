@@ -29,7 +29,7 @@ pub const COMMANDS: &[Command] = commands! {
     "show" "[scan|W|L|spectrum|U|walls|openings|here|pose]" "show the answer, or what a stage made",
     "why" "[gap [N]]" "explain the count; the gaps where walls may end; gap N alone",
     "get" "W|L|D|eigenvalues|U|labels|points OUT.npy" "write an array for NumPy",
-    "set" "SECTION.KEY=VALUE" "set a setting; this revolution is answered again at once",
+    "set" "SECTION.KEY=VALUE..." "set a setting, or several; this revolution is answered again at once",
     "unset" "SECTION.KEY | all" "take a setting, or all, back",
     "swap" "affinity|spectral|kmeans=KIND" "choose another kind of a stage",
     "inject" "W|U|labels IN.npy | off" "replace what a stage made of this revolution; the later stages go on from it",

@@ -38,15 +38,25 @@ pub(crate) fn array_in(what: &str, path: &str, n: usize) -> Result<Array, Refuse
 
 impl Session {
     pub(crate) fn set(&mut self, words: &[String]) -> Result<Reply, Refused> {
-        let text = words.concat();
-        let (key, value) = text.split_once('=').ok_or_else(|| takes("set"))?;
-        let mut changes = self.changes.clone();
-        changes.retain(|[known, _]| known != key);
-        // Another kind begins with its own defaults: what was set of the kind before would be refused.
-        if let Some(section) = key.strip_suffix(".kind") {
-            changes.retain(|[known, _]| !known.starts_with(&format!("{section}.")));
+        // A value may have blanks in it, as a list has.
+        let is_setting = |word: &str| word.split_once('=').is_some_and(|(key, _)| key.contains('.'));
+        let mut settings: Vec<String> = Vec::new();
+        for word in words {
+            match settings.last_mut().filter(|_| !is_setting(word)) {
+                Some(setting) => *setting += word,
+                None => settings.push(word.clone()),
+            }
         }
-        changes.push([key.to_owned(), value.to_owned()]);
+        let mut changes = self.changes.clone();
+        for setting in &settings {
+            let (key, value) = setting.split_once('=').ok_or_else(|| takes("set"))?;
+            changes.retain(|[known, _]| known != key);
+            // Another kind begins with its own defaults: what was set of the kind before would be refused.
+            if let Some(section) = key.strip_suffix(".kind") {
+                changes.retain(|[known, _]| !known.starts_with(&format!("{section}.")));
+            }
+            changes.push([key.to_owned(), value.to_owned()]);
+        }
         let before = answer_in_words(self.frame());
         self.configure(changes)?;
         Ok(self.changed_from(&before))

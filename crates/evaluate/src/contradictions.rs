@@ -111,11 +111,7 @@ fn wall_as_island_m(frame: &Frame) -> Option<f64> {
     if !junction.walls[nearest as usize].island {
         return None;
     }
-    let own: Vec<&Point> = of_walls().filter(|(_, wall)| *wall == nearest).map(|(point, _)| point).collect();
-    let farthest_from =
-        |from: &Point| own.iter().copied().max_by(|a, b| (*a - from).norm().total_cmp(&(*b - from).norm()));
-    let start = farthest_from(own[0])?;
-    let end = farthest_from(start)?;
+    let [start, end] = junction.ends_m(nearest, points_m)?;
     let line = (end - start).xy();
     let length_m = line.norm();
     if length_m <= ISLAND_M {

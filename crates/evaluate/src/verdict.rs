@@ -68,8 +68,10 @@ pub(crate) fn fair_coin(n: u64) -> impl Iterator<Item = f64> {
 }
 
 /// Which of two configurations is surer where they differ.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Surer {
+    /// Whether their confidences are computed by the same rule; those of two rules are not compared.
+    pub same_rule: bool,
     /// Revolutions whose walls differ.
     pub differ: u64,
     /// Revolutions that both answered.
@@ -81,11 +83,16 @@ pub struct Surer {
 }
 
 impl Surer {
+    /// Of no revolution yet, for two configurations whose confidences are computed by these rules (`report.confidence`).
+    pub fn by(rules: [&str; 2]) -> Self {
+        Self { same_rule: rules[0] == rules[1], differ: 0, of: 0, first: 0, second: 0 }
+    }
+
     /// Adds a revolution with the two confidences.
     pub fn add(&mut self, differ: bool, confidence: [Option<f64>; 2]) {
         self.of += 1;
         self.differ += u64::from(differ);
-        if let ([Some(first), Some(second)], true) = (confidence, differ) {
+        if let ([Some(first), Some(second)], true) = (confidence, differ && self.same_rule) {
             self.first += u64::from(first > second);
             self.second += u64::from(second > first);
         }
@@ -95,6 +102,11 @@ impl Surer {
     pub fn sentence(&self, first: &str, second: &str) -> String {
         let differ = format!("{first} and {second} differ in {} of {}", thousands(self.differ), thousands(self.of));
         match (self.first, self.second) {
+            _ if !self.same_rule => {
+                format!(
+                    "{differ}; their confidences follow two rules (`report.confidence`), so that none is called surer"
+                )
+            }
             (0, 0) => differ,
             (a, b) if a >= b => format!("{differ}, in {} of them {first} is surer", thousands(a)),
             (_, b) => format!("{differ}, in {} of them {second} is surer", thousands(b)),
@@ -155,7 +167,8 @@ pub(crate) fn short(p: f64) -> String {
     } else if p >= 0.001 {
         format!("{p:.*}", if p >= 0.01 { 2 } else { 3 })
     } else {
-        format!("{p:.0e}")
+        // What is less is rounded to nothing.
+        format!("{:.0e}", p.max(1e-300))
     }
 }
 
@@ -192,12 +205,14 @@ mod tests {
             none.sentence("B", Some(1.0)),
             "B mends 0 and breaks 0 of 7 (exact McNemar p = 1, 1 with Holm's correction)"
         );
-        let mut surer = Surer::default();
+        let [mut surer, mut by_two] = [["scene"; 2], ["scene", "margin"]].map(Surer::by);
         for (differ, confidence) in
             [(true, [Some(0.9), Some(0.4)]), (true, [None, Some(0.4)]), (false, [Some(0.9), Some(0.1)])]
         {
             surer.add(differ, confidence);
+            by_two.add(differ, confidence);
         }
+        assert!(by_two.sentence("A", "B").contains("A and B differ in 2 of 3; their confidences follow two rules"));
         assert_eq!(surer.sentence("A", "B"), "A and B differ in 2 of 3, in 1 of them A is surer");
     }
 

@@ -17,6 +17,10 @@
 //! ```
 //!
 //! The answer that holds is judged by b_k · r_k.
+//!
+//! Revolutions that follow each other err alike, so that many doubtful ones make no sure answer: an answer is as sure as it
+//! is believed, and at most as sure as the surest of the revolutions that gave it, of which q counts (1 - p) times as much
+//! with each one since.
 
 /// The place changes once in this way (D), and in this time (T) also if the vehicle stands: people and doors move.
 const WAY_M: f64 = 3.0;
@@ -34,6 +38,9 @@ const INDEPENDENT_S: f64 = 0.1;
 
 /// Answers that are no longer likely are forgotten beyond this number of them.
 const MOST_KEPT: usize = 16;
+
+/// The surest view of an answer is forgotten once it is less sure than this.
+const LEAST_KEPT: f64 = 0.001;
 
 /// The time from one revolution to the next; a usual one where stamps do not advance, as those of scans without a stamp.
 pub(crate) fn elapsed_s(before_ns: u64, now_ns: u64) -> f64 {
@@ -61,6 +68,13 @@ pub(crate) struct Since {
     pub(crate) time_s: f64,
 }
 
+impl Since {
+    /// The probability that the vehicle has come to another place (p).
+    fn change(&self) -> f64 {
+        1.0 - (-self.way_m / WAY_M - self.time_s / TIME_S).exp()
+    }
+}
+
 /// The answer of a revolution.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Answered<A> {
@@ -70,11 +84,6 @@ pub(crate) struct Answered<A> {
 }
 
 impl<A: Copy + PartialEq> Answered<A> {
-    /// The probability that the vehicle has come to another place since the revolution before (p).
-    fn change(&self) -> f64 {
-        1.0 - (-self.since.way_m / WAY_M - self.since.time_s / TIME_S).exp()
-    }
-
     /// How likely it is where the first answer is right, and where another one is (l).
     fn likelihoods(&self) -> [f64; 2] {
         let sure = sure(self.confidence);
@@ -84,7 +93,7 @@ impl<A: Copy + PartialEq> Answered<A> {
 
     /// Of normalised weights: the vehicle may have come to another place since the revolution before, or will have.
     fn allow_change(&self, weights: &mut [(A, f64)]) {
-        let change = self.change();
+        let change = self.since.change();
         weights.iter_mut().for_each(|(_, weight)| *weight = (1.0 - change) * *weight + change / ANSWERS);
     }
 
@@ -95,6 +104,11 @@ impl<A: Copy + PartialEq> Answered<A> {
             *weight *= if *known == self.answer { alike } else { other };
         }
     }
+}
+
+/// The weight of an answer; 0 of one that was not given.
+fn of_answer<A: PartialEq>(weights: &[(A, f64)], answer: A) -> f64 {
+    weights.iter().find(|(known, _)| *known == answer).map_or(0.0, |(_, weight)| *weight)
 }
 
 fn normalise<A>(weights: &mut [(A, f64)]) {
@@ -112,11 +126,13 @@ pub(crate) struct Belief<A> {
     beliefs: Vec<(A, f64)>,
     /// By later ones, too (b · r).
     judged: Vec<(A, f64)>,
+    /// How sure the surest of the revolutions up to now is that gave an answer.
+    surest: Vec<(A, f64)>,
 }
 
 impl<A: Copy + PartialEq> Belief<A> {
     pub(crate) fn new(odds: f64) -> Self {
-        Self { odds, holds: None, beliefs: Vec::new(), judged: Vec::new() }
+        Self { odds, holds: None, beliefs: Vec::new(), judged: Vec::new(), surest: Vec::new() }
     }
 
     /// The answer that holds; `None` before the first.
@@ -124,9 +140,11 @@ impl<A: Copy + PartialEq> Belief<A> {
         self.holds
     }
 
-    /// The belief in an answer.
-    pub(crate) fn belief_in(&self, answer: A) -> f64 {
-        self.judged.iter().find(|(known, _)| *known == answer).map_or(0.0, |(_, belief)| *belief)
+    /// The probability that an answer is right, after what has happened since the last revolution that answered.
+    pub(crate) fn confidence(&self, answer: A, since: Since) -> f64 {
+        let change = since.change();
+        let believed = (1.0 - change) * of_answer(&self.judged, answer) + change / ANSWERS;
+        believed.min((1.0 - change) * of_answer(&self.surest, answer))
     }
 
     /// Takes the answer of the next revolution. `later`: those of revolutions after it, in order, which judge with it.
@@ -135,15 +153,16 @@ impl<A: Copy + PartialEq> Belief<A> {
         seen.allow_change(&mut self.beliefs);
         for other in std::iter::once(&seen).chain(later) {
             if !self.beliefs.iter().any(|(known, _)| *known == other.answer) {
-                self.beliefs.push((other.answer, (seen.change() / ANSWERS).max(f64::MIN_POSITIVE)));
+                self.beliefs.push((other.answer, (seen.since.change() / ANSWERS).max(f64::MIN_POSITIVE)));
             }
         }
         seen.weigh(&mut self.beliefs);
         normalise(&mut self.beliefs);
+        self.view(&seen);
         self.judged = self.evidence_of(later);
         self.judged.iter_mut().zip(&self.beliefs).for_each(|((_, judged), (_, belief))| *judged *= belief);
         normalise(&mut self.judged);
-        let held = self.holds.map_or(0.0, |answer| self.belief_in(answer));
+        let held = self.holds.map_or(0.0, |answer| of_answer(&self.judged, answer));
         // Of equal ones the first.
         let likeliest = self.judged.iter().rev().max_by(|a, b| a.1.total_cmp(&b.1));
         if let Some((answer, _)) = likeliest.filter(|(_, belief)| *belief > self.odds * held) {
@@ -158,6 +177,15 @@ impl<A: Copy + PartialEq> Belief<A> {
                 kept < MOST_KEPT || Some(*known) == holds
             });
         }
+    }
+
+    /// Takes how sure a revolution is; what is hardly sure any more is forgotten.
+    fn view(&mut self, seen: &Answered<A>) {
+        let stays = 1.0 - seen.since.change();
+        let before = stays * of_answer(&self.surest, seen.answer);
+        self.surest.iter_mut().for_each(|(_, confidence)| *confidence *= stays);
+        self.surest.retain(|(known, confidence)| *known != seen.answer && *confidence > LEAST_KEPT);
+        self.surest.push((seen.answer, before.max(seen.confidence)));
     }
 
     /// The evidence of later revolutions for each answer (r).
@@ -210,6 +238,21 @@ mod tests {
     fn one_clear_view_weighs_more_than_a_doubtful_one() {
         let after = |confidence| held(&[&[(2, 0.6)], &[(3, confidence); 4][..]].concat(), FLYING)[4];
         assert_eq!((after(0.9), after(0.3)), (3, 2));
+    }
+
+    #[test]
+    fn many_doubtful_views_make_no_sure_answer_and_one_sure_view_fades_with_the_way() {
+        let mut belief = Belief::new(100.0);
+        let mut sure_after = |confidence, count| {
+            (0..count).for_each(|_| belief.add(Answered { answer: 3, confidence, since: FLYING }, &[]));
+            belief.confidence(3, Since { way_m: 0.0, time_s: 0.0 })
+        };
+        assert_eq!(sure_after(0.05, 200), 0.05);
+        assert!(sure_after(0.95, 1) > 0.9);
+        let after_3m = sure_after(0.05, 20);
+        assert!((0.3..0.4).contains(&after_3m), "{after_3m}");
+        let unseen_for_30m = belief.confidence(3, Since { way_m: 30.0, time_s: 1.0 });
+        assert!(unseen_for_30m < 0.01, "{unseen_for_30m}");
     }
 
     #[test]

@@ -56,6 +56,10 @@ struct Moment {
 }
 
 impl Moment {
+    fn of(frame: &Frame) -> Self {
+        Self { stamp_ns: frame.revolution.stamp_ns, pose: FlightAnswer::of(frame).pose }
+    }
+
     fn since(&self, before: Option<Self>) -> Since {
         let Some(before) = before else { return Since { way_m: 0.0, time_s: LONGEST_S } };
         let time_s = elapsed_s(before.stamp_ns, self.stamp_ns).min(LONGEST_S);
@@ -81,12 +85,11 @@ impl Answers {
         if frame.revolution.is_empty() {
             return Self { count: None, place: None };
         }
-        let flown = FlightAnswer::of(frame);
-        let now = Moment { stamp_ns: frame.revolution.stamp_ns, pose: flown.pose };
+        let now = Moment::of(frame);
         let junction = &frame.junction;
         let since = now.since(before.count.replace(now));
         let count = Answered { answer: junction.junctions, confidence: junction.confidence.unwrap_or(0.0), since };
-        let place = flown.here.as_ref().map(|here| {
+        let place = FlightAnswer::of(frame).here.as_ref().map(|here| {
             let since = now.since(before.place.replace(now));
             Answered { answer: (here.kind, here.ways.len()), confidence: here.confidence, since }
         });
@@ -155,7 +158,7 @@ impl Steadier {
         }
         let junctions = self.junctions.holds()?;
         let openings = self.openings(yaw_rad);
-        let here = self.place(&openings, yaw_rad);
+        let here = self.place(&openings, yaw_rad, Moment::of(frame).since(self.before.place));
         Some(Steady { junctions, here, openings })
     }
 
@@ -205,10 +208,10 @@ impl Steadier {
         openings
     }
 
-    /// The last place that was seen while it held, in the present heading.
-    fn place(&self, openings: &[SteadyOpening], yaw_rad: f64) -> Option<Here> {
+    /// The last place that was seen while it held, in the present heading. `since`: what has happened since the last one that showed a place.
+    fn place(&self, openings: &[SteadyOpening], yaw_rad: f64, since: Since) -> Option<Here> {
         let (here, tracks) = self.here.as_ref()?;
-        let confidence = self.place.belief_in((here.kind, here.ways.len()));
+        let confidence = self.place.confidence((here.kind, here.ways.len()), since);
         let index = |id: u64| openings.iter().position(|opening| opening.track == id);
         let way = |(way, track): (&Way, &Option<u64>)| Way {
             bearing_rad: wrap_angle_rad(way.bearing_rad - yaw_rad),

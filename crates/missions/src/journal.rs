@@ -60,12 +60,17 @@ impl About {
     pub fn new(name: &str, seed: u64, world: &World, planner: &PlannerKind, config: &Config) -> Self {
         let (tunnels, walls) = (&world.mine.network().tunnels, world.mine.surface().segments());
         let wall_m: f64 = walls.iter().map(|wall| (wall.to_m - wall.from_m).norm()).sum();
+        let start_m = world.start.position_m;
         let of_mission = [
             ("mission", name.to_owned()),
             ("seed", seed.to_string()),
             ("planner", planner.name.to_owned()),
             // Another plan may have the same name.
             ("mine", format!("{} tunnels with {wall_m:.3} m of wall", tunnels.len())),
+            (
+                "start",
+                format!("x {:.3} m, y {:.3} m, heading {:.3} rad", start_m.x, start_m.y, world.start.heading_rad),
+            ),
         ];
         let of_mission = of_mission.map(|(name, value)| (name.to_owned(), value));
         // The pipeline's threads and memory change no result.

@@ -35,6 +35,8 @@ pub struct Answers {
     pub revolutions: u64,
     /// Those with a confidence of [`SURE`] or more.
     pub sure: u64,
+    /// Those with a confidence.
+    pub rated: u64,
 }
 
 /// How a run ended. What was written before stays.
@@ -89,6 +91,7 @@ impl Summary {
         self.revolutions += 1;
         let answers = self.junctions.entry(frame.junction.junctions).or_default();
         answers.revolutions += 1;
+        answers.rated += u64::from(frame.junction.confidence.is_some());
         answers.sure += u64::from(frame.junction.confidence.is_some_and(|confidence| confidence >= SURE));
         self.gaps += frame.junction.gaps;
         self.noted += u64::from(!frame.notes.is_empty());

@@ -158,8 +158,13 @@ impl FlightMap {
     }
 
     fn log_way(&self, rows: &mut Rows, with_whole: bool) {
-        let path = self.seen.path()[..self.drawn_path].iter().map(|place| drawn(&self.at(place))).collect::<Vec<_>>();
-        rows.log(&FLIGHT_PATH, &LineStrips2D::new([path]));
+        let mut left = self.drawn_path;
+        let stretches = self.seen.stretches().map(|stretch| {
+            let path = stretch.iter().take(left).map(|place| drawn(&self.at(place))).collect::<Vec<_>>();
+            left -= path.len();
+            path
+        });
+        rows.log(&FLIGHT_PATH, &LineStrips2D::new(stretches.filter(|path| !path.is_empty())));
         let unsure = self.unsure().map(|place| drawn(&self.at(place))).collect::<Vec<_>>();
         if !unsure.is_empty() {
             rows.log(&FLIGHT_UNSURE, &Points2D::new(unsure));
@@ -180,9 +185,10 @@ fn log_scale(rows: &mut Rows, walls: Vec<[f32; 2]>) {
     let ends = walls
         .iter()
         .fold([first; 2], |[low, high], [x, y]| [[low[0].min(*x), low[1].min(*y)], [high[0].max(*x), high[1].max(*y)]]);
-    let [[left, _], [right, bottom]] = ends;
+    let [[left, top], [right, bottom]] = ends;
     let length_m = step_m(f64::from(right - left));
-    let y = bottom;
+    // The viewer writes the length below the bar, where it would be cut off at the edge of the view.
+    let y = bottom - 0.05 * (bottom - top);
     let bar = LineStrips2D::new([[[left, y], [left + length_m as f32, y]]]);
     let name = Points2D::new([[left + 0.5 * length_m as f32, y]])
         .with_labels([format!("{length_m} m")])

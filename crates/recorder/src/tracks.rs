@@ -47,7 +47,7 @@ impl Default for Tracks {
 
 impl Tracks {
     /// The classes of the next revolution's walls. Walls and earlier classes are paired, those that share the most
-    /// directions first. A wall without a pair gets a class that was not seen lately.
+    /// directions first. A wall without a pair gets a class that was not seen lately. Up to five walls have five colours.
     pub(crate) fn classes_of(&mut self, frame: &Frame) -> Classes {
         let walls = self.match_walls(frame);
         let wall_of = &frame.junction.wall_of_return;
@@ -62,19 +62,18 @@ impl Tracks {
     }
 
     fn match_walls(&self, frame: &Frame) -> Vec<u16> {
-        let mut classes: Vec<Option<u16>> = vec![None; number_of_walls(frame)];
-        let mut taken = vec![false; usize::from(NO_WALL) + 1];
+        let walls = number_of_walls(frame);
+        let mut classes: Vec<Option<u16>> = vec![None; walls];
+        let mut taken = Taken::by(walls);
         for (_, wall, class) in self.overlaps(frame) {
-            if classes[wall].is_none() && !taken[usize::from(class)] {
-                classes[wall] = Some(class);
-                taken[usize::from(class)] = true;
+            if classes[wall].is_none() && taken.allows(class) {
+                classes[wall] = Some(taken.take(class));
             }
         }
-        let walls = classes.len();
         for wall in 0..walls {
             if classes[wall].is_none() {
                 let beside = [(wall + walls - 1) % walls, (wall + 1) % walls].map(|beside| classes[beside]);
-                classes[wall] = Some(self.take_new(&mut taken, beside));
+                classes[wall] = Some(taken.take(self.new_class(&taken, beside)));
             }
         }
         classes.into_iter().flatten().collect()
@@ -90,15 +89,38 @@ impl Tracks {
         overlaps
     }
 
-    /// The first class that is not taken: if possible one with its own colour that was not seen lately, else one whose
+    /// The first class that may be taken: if possible one with its own colour that was not seen lately, else one whose
     /// colour differs from those of the walls `beside`, as walls are numbered by bearing.
-    fn take_new(&self, taken: &mut [bool], beside: [Option<u16>; 2]) -> u16 {
-        let free = |class: &u16| !taken[usize::from(*class)];
+    fn new_class(&self, taken: &Taken, beside: [Option<u16>; 2]) -> u16 {
+        let allowed = || (0..NO_WALL).filter(|class| taken.allows(*class));
         let differs = |class: &u16| beside.iter().flatten().all(|other| other % COLORS != class % COLORS);
-        let fresh = (0..COLORS).filter(free).find(|class| !self.seen.contains(&Some(*class)));
-        let other = || (0..NO_WALL).filter(free).find(differs);
-        let class = fresh.or_else(other).or_else(|| (0..NO_WALL).find(free)).unwrap_or(NO_WALL);
-        taken[usize::from(class)] = true;
+        let is_fresh = |class: &u16| *class < COLORS && !self.seen.contains(&Some(*class));
+        allowed().find(is_fresh).or_else(|| allowed().find(differs)).or_else(|| allowed().next()).unwrap_or(NO_WALL)
+    }
+}
+
+/// The classes of walls that have one already. No colour is taken a second time while another one is free.
+struct Taken {
+    classes: Vec<bool>,
+    of_color: [usize; COLORS as usize],
+    most_of_color: usize,
+}
+
+impl Taken {
+    /// By none of this many walls yet.
+    fn by(walls: usize) -> Self {
+        let colors = usize::from(COLORS);
+        let classes = vec![false; usize::from(NO_WALL) + 1];
+        Self { classes, of_color: [0; COLORS as usize], most_of_color: walls.div_ceil(colors) }
+    }
+
+    fn allows(&self, class: u16) -> bool {
+        !self.classes[usize::from(class)] && self.of_color[usize::from(class % COLORS)] < self.most_of_color
+    }
+
+    fn take(&mut self, class: u16) -> u16 {
+        self.classes[usize::from(class)] = true;
+        self.of_color[usize::from(class % COLORS)] += 1;
         class
     }
 }
@@ -190,6 +212,20 @@ mod tests {
         walls.sort_unstable();
         walls.dedup();
         assert_eq!(walls.len(), 20);
+    }
+
+    #[test]
+    fn no_two_of_few_walls_share_a_colour_after_many() {
+        let mut tracks = Tracks::default();
+        let of = |walls: i32| -> Vec<_> {
+            let span_deg = 360 / walls;
+            (0..walls).map(|wall| (wall.cast_unsigned(), wall * span_deg..wall * span_deg + span_deg / 2)).collect()
+        };
+        for walls in [9, 3, 7, 5, 4, 8, 5] {
+            let classes = tracks.classes_of(&frame(&of(walls))).walls;
+            let colors: std::collections::BTreeSet<_> = classes.iter().map(|class| class % COLORS).collect();
+            assert_eq!(colors.len(), classes.len().min(usize::from(COLORS)), "{classes:?}");
+        }
     }
 
     #[test]

@@ -16,7 +16,7 @@
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
-use crosscut_stage::{Junction, Opening, Point, Revolution, Verdict, Wall, wrap_angle_rad};
+use crosscut_stage::{Junction, Opening, Revolution, Verdict, Wall, wrap_angle_rad};
 
 use crate::odds;
 use crate::openings::Edge;
@@ -146,20 +146,11 @@ impl Grounds {
     }
 }
 
-/// The length of the longest island: from the return farthest from its first one to that farthest from there.
+/// The length of the longest island, from end to end.
 fn longest_island_m(revolution: &Revolution, answer: &Junction) -> f64 {
-    let length_m = |island: &Wall| {
-        let returns_m = || {
-            let of_island = |(wall, _): &(&Option<u32>, &Point)| **wall == Some(island.id);
-            answer.wall_of_return.iter().zip(&revolution.points_m).filter(of_island).map(|(_, point_m)| *point_m)
-        };
-        let farthest_m = |from_m: Point| {
-            let apart_m = |to_m: &Point| (to_m - from_m).norm();
-            returns_m().max_by(|a, b| apart_m(a).total_cmp(&apart_m(b))).map_or((0.0, from_m), |m| (apart_m(&m), m))
-        };
-        returns_m().next().map_or(0.0, |first_m| farthest_m(farthest_m(first_m).1).0)
-    };
-    answer.walls.iter().filter(|wall| wall.island).map(length_m).fold(0.0, f64::max)
+    let islands = answer.walls.iter().filter(|wall| wall.island);
+    let ends_m = islands.filter_map(|island| answer.ends_m(island.id, &revolution.points_m));
+    ends_m.map(|[start_m, end_m]| (end_m - start_m).norm()).fold(0.0, f64::max)
 }
 
 /// The least angle between the bearings of two openings; π with fewer than two.

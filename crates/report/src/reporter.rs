@@ -23,7 +23,8 @@ const ISLAND_M: Number = Number::new("island_m", "m", 0.0)
 const OPENINGS: Word = Word::one_of("openings", &["free_space", "between_walls"])
     .doc("where openings are: where the vehicle fits into free space, or wherever one wall ends and another begins");
 
-const CONFIDENCE: Word = Word::one_of("confidence", &["margin", "scene"])
+/// What the confidence is computed from. Those of two rules cannot be compared.
+pub const CONFIDENCE: Word = Word::one_of("confidence", &["margin", "scene"])
     .doc("what the confidence is computed from: the zero rule's margin, or how clear the verdicts at the gaps of the scene are");
 
 const MAX_RANGE_M: Number = Number::new("max_range_m", "m", f64::INFINITY)

@@ -47,6 +47,8 @@ pub struct Plan {
     /// Standard deviation of the bumps of the walls, m.
     #[serde(default = "default_roughness_m")]
     roughness_m: f64,
+    /// Where the vehicle starts.
+    start: Option<PlanStart>,
 }
 
 fn default_roughness_m() -> f64 {
@@ -67,6 +69,13 @@ struct PlanEdge {
     width_m: f64,
     #[serde(default)]
     via_m: Vec<[f64; 2]>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+struct PlanStart {
+    node: Name,
+    /// The node that the vehicle faces, at the other end of an edge.
+    towards: Option<Name>,
 }
 
 /// A number or a word.
@@ -96,13 +105,21 @@ pub enum PlanError {
     /// Two nodes have one id.
     #[error("two nodes have the id {0}")]
     Twice(String),
-    /// An edge names a node that is not there.
-    #[error("edge {edge} names the node {node}, which is not there")]
+    /// An edge or the start names a node that is not there.
+    #[error("{what} names the node {node}, which is not there")]
     NoNode {
-        /// Number of the edge, from 0 on.
-        edge: usize,
+        /// What names it.
+        what: String,
         /// Its node.
         node: String,
+    },
+    /// The start and the node that the vehicle faces are no ends of one edge.
+    #[error("the start is towards node {towards}, to which no edge leads from node {node}")]
+    NoWay {
+        /// The node of the start.
+        node: String,
+        /// The node that the vehicle faces.
+        towards: String,
     },
     /// A number is not usable.
     #[error("{what} is {value}; it must be {expected}")]
@@ -129,7 +146,7 @@ pub enum PlanError {
 
 impl Plan {
     /// Reads a plan: `{"nodes":[{"id","x_m","y_m"}],"edges":[{"from","to","width_m","via_m":[[x,y],...]}],
-    /// "roughness_m":0.1}`. Ids are numbers or words.
+    /// "roughness_m":0.1,"start":{"node","towards"}}`. Ids are numbers or words.
     ///
     /// # Errors
     /// When the text has another form.
@@ -137,8 +154,8 @@ impl Plan {
         Ok(serde_json::from_str(text)?)
     }
 
-    /// A flight through every tunnel, from the first dead end on (or the first node, if there is none). At each place the
-    /// vehicle takes the nearest tunnel that it has not flown through. It turns back before the faces of dead ends.
+    /// A flight through every tunnel, from the start of the plan on, else from the first dead end (or the first node, if there is
+    /// none). At each place the vehicle takes the nearest tunnel that it has not flown through. It turns back before the faces of dead ends.
     ///
     /// # Errors
     /// When ids or numbers are not usable, or the mine is not in one piece.
@@ -157,14 +174,33 @@ impl Plan {
         Ok(Flight::new(Mine::new(network, surface), lidar, vehicle, seed))
     }
 
-    /// The mine with a vehicle before the face of the first dead end, or at the first node if there is none.
+    /// The mine with a vehicle at the start of the plan, else before the face of the first dead end, or at the first node if there
+    /// is none. At a node that is no dead end it faces the way that the plan names, else the first.
     ///
     /// # Errors
     /// As [`Plan::fly`].
     pub fn world(&self, seed: u64) -> Result<World, PlanError> {
         let (network, start) = self.checked()?;
         tour(&network, start).map_err(|node| self.not_reached(node, start))?;
-        Ok(World::new(network, &self.texture(), Lidar::ORDINARY, start, seed))
+        let towards_m = self.faced_m()?;
+        let mut world = World::new(network, &self.texture(), Lidar::ORDINARY, start, seed);
+        if let Some(towards) = towards_m.map(|towards_m| towards_m - world.start.position_m) {
+            world.start.heading_rad = towards.y.atan2(towards.x);
+        }
+        Ok(world)
+    }
+
+    /// The place that the vehicle faces at the start, if the plan names one: the next one along an edge.
+    fn faced_m(&self) -> Result<Option<Point>, PlanError> {
+        let Some(PlanStart { node, towards: Some(towards) }) = &self.start else { return Ok(None) };
+        let end_m = self.nodes.iter().find(|of| of.id == *towards).map(|of| [of.x_m, of.y_m]);
+        let next_m = self.edges.iter().find_map(|PlanEdge { from, to, via_m, .. }| match (from, to) {
+            (a, b) if (a, b) == (node, towards) => via_m.first().copied().or(end_m),
+            (a, b) if (b, a) == (node, towards) => via_m.last().copied().or(end_m),
+            _ => None,
+        });
+        let no_way = || PlanError::NoWay { node: node.to_string(), towards: towards.to_string() };
+        next_m.map(|[x_m, y_m]| Some(Point::new(x_m, y_m))).ok_or_else(no_way)
     }
 
     /// The tunnels, and the node that a flight starts at.
@@ -172,8 +208,11 @@ impl Plan {
         let network = self.network()?;
         let of_degree =
             |is_right: fn(usize) -> bool| (0..self.nodes.len()).find(|&node| is_right(network.degree(node)));
-        let start =
+        let first =
             of_degree(|degree| degree == 1).or_else(|| of_degree(|degree| degree > 0)).ok_or(PlanError::Empty)?;
+        let Some(PlanStart { node, .. }) = &self.start else { return Ok((network, first)) };
+        let start = self.nodes.iter().position(|of| of.id == *node);
+        let start = start.ok_or_else(|| PlanError::NoNode { what: "the start".to_owned(), node: node.to_string() })?;
         Ok((network, start))
     }
 
@@ -207,7 +246,7 @@ impl Plan {
             check(&format!("width_m of edge {edge}"), *width_m, (0.5..=100.0).contains(width_m), "0.5 to 100 m")?;
             let node = |name: &Name| {
                 let node = by_name.get(name).copied();
-                node.ok_or_else(|| PlanError::NoNode { edge, node: name.to_string() })
+                node.ok_or_else(|| PlanError::NoNode { what: format!("edge {edge}"), node: name.to_string() })
             };
             let (from, to) = (node(from)?, node(to)?);
             let mut last = from;
@@ -296,6 +335,8 @@ fn way_to_nearest(network: &Network, from: usize, left: &BTreeSet<usize>) -> Opt
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
 
     fn plan(edges: &str) -> Plan {
@@ -352,5 +393,34 @@ mod tests {
             assert!(error.contains(words), "{error}");
         }
         assert!(Plan::from_json("{}").is_err());
+    }
+
+    /// The plan of [`ALL`] with a start.
+    fn starting(start: &str) -> Plan {
+        Plan { start: Some(serde_json::from_str(start).expect("a start")), ..plan(ALL) }
+    }
+
+    #[test]
+    fn a_vehicle_starts_where_the_plan_says_and_faces_what_it_says() {
+        for (start, at_m, heading_rad) in [
+            (r#"{"node": 2, "towards": "a"}"#, [20.0, 15.0], -0.5 * PI),
+            (r#"{"node": 2, "towards": 3}"#, [20.0, 15.0], 0.0),
+            (r#"{"node": 3, "towards": "a"}"#, [40.0, 0.0], (-5f64).atan2(-10.0)),
+            (r#"{"node": 0}"#, [3.0, 0.0], 0.0),
+        ] {
+            let plan = starting(start);
+            let world = plan.world(1).expect("a world");
+            assert!((world.start.position_m - Point::from(at_m)).norm() < 0.5, "{start}: {:?}", world.start);
+            assert!((world.start.heading_rad - heading_rad).abs() < 0.05, "{start}: {:?}", world.start);
+            let first = plan.fly(1).expect("a flight").next().and_then(|scene| scene.pose).expect("a scene");
+            assert!((first.position_m - Point::from(at_m)).norm() < 1.0, "{start}: {first:?}");
+        }
+        for (start, words) in [
+            (r#"{"node": 9}"#, "the start names the node 9"),
+            (r#"{"node": 0, "towards": 3}"#, "the start is towards node 3, to which no edge leads from node 0"),
+        ] {
+            let error = starting(start).world(1).expect_err("no start").to_string();
+            assert!(error.contains(words), "{error}");
+        }
     }
 }

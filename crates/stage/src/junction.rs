@@ -26,6 +26,20 @@ pub struct Junction {
     pub confidence: Option<f64>,
 }
 
+impl Junction {
+    /// From end to end of a wall, metres: from its return that is farthest from its first one to that farthest from
+    /// there. `points_m` are the returns of the revolution. `None` for a wall without a return.
+    pub fn ends_m(&self, wall: u32, points_m: &[Point]) -> Option<[Point; 2]> {
+        let returns_m = || {
+            let of_wall = |(_, id): &(&Point, &Option<u32>)| **id == Some(wall);
+            points_m.iter().zip(&self.wall_of_return).filter(of_wall).map(|(point_m, _)| *point_m)
+        };
+        let farthest_m = |from_m: Point| returns_m().max_by(|a, b| (a - from_m).norm().total_cmp(&(b - from_m).norm()));
+        let start_m = farthest_m(returns_m().next()?)?;
+        Some([start_m, farthest_m(start_m)?])
+    }
+}
+
 /// The returns between two consecutive openings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wall {

@@ -15,6 +15,7 @@ pub(crate) struct ExploreArgs {
     #[arg(value_name = "MISSION")]
     pub(crate) mission: Option<String>,
     /// Plan of a mine to explore, all of it: {"nodes":[{"id","x_m","y_m"}],"edges":[{"from","to","width_m","via_m"}]}.
+    /// `"start":{"node","towards"}` is where to start and which node to face, else the first dead end.
     #[arg(long, value_name = "PLAN.json", conflicts_with = "mission")]
     pub(crate) plan: Option<PathBuf>,
     /// Fly missions in every world of --list, and print a table of them.

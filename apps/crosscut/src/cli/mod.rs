@@ -257,6 +257,7 @@ pub(crate) struct SimulateArgs {
     #[arg(conflicts_with = "suite")]
     pub(crate) scenario: Option<String>,
     /// Plan of a mine to fly through, all of it: {"nodes":[{"id","x_m","y_m"}],"edges":[{"from","to","width_m","via_m"}]}.
+    /// `"start":{"node","towards"}` is where to start and which node to face, else the first dead end.
     #[arg(long, value_name = "PLAN.json", conflicts_with_all = ["scenario", "suite"])]
     pub(crate) plan: Option<PathBuf>,
     /// Family of scenes for evaluation, instead of a flight; `all` for every family.

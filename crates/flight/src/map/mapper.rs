@@ -303,11 +303,6 @@ impl Mapper {
 
     /// Notes the way by which the vehicle came, the passage that it came through, and the way by which it leaves.
     fn connect(&mut self, visit: &Visit, node: usize, turned_rad: f64, number: usize, left: bool) {
-        let ways_rad = &self.places[node].ways_rad;
-        let way_of = |place_m: Point2<f64>| {
-            nearest_way(ways_rad, visit.ways[visit.way_to(place_m)].bearing_rad + turned_rad).unwrap_or(0)
-        };
-        let (came_by, leaves_by) = (way_of(visit.came_from), way_of(visit.left_to));
         // A flight may begin within its first node.
         let began_m = self.way.via.first().map_or(0.0, |(_, place_m)| (visit.anchor.inverse() * place_m).coords.norm());
         match self.last.take() {
@@ -316,13 +311,18 @@ impl Mapper {
                 self.map.nodes[node].ways[last.way].taken = last.was_taken;
             }
             Some(last) => {
+                let came_by = self.flown_way(node, visit.direction_rad(visit.came_from) + turned_rad);
                 self.map.nodes[node].ways[came_by].taken = true;
                 self.join(&last, visit, (node, came_by));
             }
-            None => {
-                self.map.nodes[node].ways[came_by].taken |= began_m > visit.came_from.coords.norm() + LEFT_M;
+            None if began_m > visit.came_from.coords.norm() + LEFT_M => {
+                let came_by = self.flown_way(node, visit.direction_rad(visit.came_from) + turned_rad);
+                self.map.nodes[node].ways[came_by].taken = true;
             }
+            None => {}
         }
+        let leaves_rad = visit.direction_rad(visit.left_to) + turned_rad;
+        let leaves_by = nearest_way(&self.places[node].ways_rad, leaves_rad).unwrap_or(0);
         let was_taken = self.map.nodes[node].ways[leaves_by].taken;
         self.map.nodes[node].ways[leaves_by].taken |= left;
         self.way.widths_m = [0.0; 2];
@@ -356,10 +356,12 @@ impl Mapper {
             return;
         }
         last.is_settled = true;
-        let out = self.graph.poses[last.visit] * from_anchor;
-        let ways = &mut self.map.nodes[last.node].ways;
-        let ways_rad: Vec<f64> = ways.iter().map(|way| way.bearing_rad).collect();
-        if let Some(way) = nearest_way(&ways_rad, out.y.atan2(out.x)).filter(|way| *way != last.way) {
+        let node = last.node;
+        let [first, this] = [self.places[node].first_visit, last.visit].map(|visit| self.graph.poses[visit]);
+        let out = first.inv_mul(&this) * from_anchor;
+        let way = self.flown_way(node, out.y.atan2(out.x));
+        let ways = &mut self.map.nodes[node].ways;
+        if let Some(last) = self.last.as_mut().filter(|last| last.way != way) {
             ways[last.way].taken = last.was_taken;
             ways[way].taken = true;
             last.way = way;

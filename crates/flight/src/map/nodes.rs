@@ -1,6 +1,7 @@
 //! Nodes of the map: added, seen again, and two that turn out to be one.
 
 use std::collections::BTreeMap;
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use crosscut_stage::wrap_angle_rad;
@@ -11,13 +12,16 @@ use super::outline::{Fit, Walls};
 use super::recognise::{Candidate, LEAST_LEAD, LEAST_SHARE};
 use super::visit::Visit;
 use super::{Mapper, Merge, Node, NodeWay};
-use crate::{Edge, Way};
+use crate::{Edge, HereKind, Way};
 
 /// Once the drift is corrected, two nodes nearer than this may be one.
 const RECONSIDERED_M: f64 = 4.0;
 
 /// Ways of two visits whose directions differ by less may be one.
 const SAME_WAY_RAD: f64 = 0.6;
+
+/// The vehicle came or left by the way nearest to where it was before or after, if its direction differs by no more than this.
+pub(super) const FLOWN_WAY_RAD: f64 = 1.0;
 
 impl Mapper {
     pub(super) fn add_node(&mut self, visit: &Visit, walls: Walls, number: usize) -> usize {
@@ -108,6 +112,30 @@ impl Mapper {
         place.ways_rad = ways_rad;
         self.map.nodes[node].ways = ways;
         self.place_nodes();
+    }
+
+    /// The way of a node in a direction in which the vehicle flew, in the frame of its first visit. What was flown is certain: if a
+    /// junction has no way there, the visits have missed it.
+    pub(super) fn flown_way(&mut self, node: usize, direction_rad: f64) -> usize {
+        let place = &mut self.places[node];
+        let off_rad = |way: &usize| wrap_angle_rad(place.ways_rad[*way] - direction_rad).abs();
+        let nearest = nearest_way(&place.ways_rad, direction_rad);
+        let is_known = nearest.is_some_and(|way| off_rad(&way) <= FLOWN_WAY_RAD);
+        if let Some(way) = nearest.filter(|_| is_known || self.map.nodes[node].kind != HereKind::Junction) {
+            return way;
+        }
+        let behind_rad = |way: &usize| (direction_rad - place.ways_rad[*way]).rem_euclid(TAU);
+        let before = (0..place.ways_rad.len()).min_by(|a, b| behind_rad(a).total_cmp(&behind_rad(b)));
+        let at = before.map_or(0, |before| before + 1);
+        place.ways_rad.insert(at, wrap_angle_rad(direction_rad));
+        let ways = &mut self.map.nodes[node].ways;
+        let narrowest_m = ways.iter().map(|way| way.width_m).min_by(f64::total_cmp).unwrap_or_default();
+        ways.insert(at, new_way(direction_rad, self.way.width_m().unwrap_or(narrowest_m)));
+        if let Some(last) = self.last.as_mut().filter(|last| last.node == node && last.way >= at) {
+            last.way += 1;
+        }
+        self.place_nodes();
+        at
     }
 
     /// Whether a node was seen on one stay alone.

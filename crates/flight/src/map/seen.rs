@@ -21,6 +21,8 @@ const WALLS_WITHIN_M: f64 = 12.0;
 #[derive(Clone, Debug, Default)]
 pub struct Seen {
     path: Vec<Anchored>,
+    /// Where each stretch of the path begins, and its number.
+    stretches: Vec<(usize, u32)>,
     unsure: Unsure,
     unsure_at: Vec<usize>,
     way_m: f64,
@@ -33,11 +35,17 @@ impl Seen {
     /// Takes the next frame, after `mapper` took it. A frame without a pose is passed over.
     pub fn add(&mut self, frame: &Frame, mapper: &Mapper) {
         let is_unsure = self.unsure.after(frame.junction.confidence);
-        let Some(pose) = FlightAnswer::of(frame).pose else { return };
-        let here = mapper.anchored(pose);
+        let FlightAnswer { pose: Some(pose), doubt, .. } = FlightAnswer::of(frame) else { return };
+        let stretch = doubt.map_or(0, |doubt| doubt.stretch);
+        if self.stretches.last().is_none_or(|(_, last)| *last != stretch) {
+            self.stretches.push((self.path.len(), stretch));
+        }
+        let is_new_stretch = self.stretches.last().is_some_and(|(begin, _)| *begin == self.path.len());
+        let here = mapper.anchored(*pose);
         let placed_m = |anchored: &Anchored| Point2::from(mapper.placed(anchored).translation.vector);
         let at_m = placed_m(&here);
-        let since_last_m = self.path.last().map(|last| (placed_m(last) - at_m).norm());
+        let last_here = self.path.last().filter(|_| !is_new_stretch);
+        let since_last_m = last_here.map(|last| (placed_m(last) - at_m).norm());
         if since_last_m.is_none_or(|since_last_m| since_last_m > PATH_M) {
             self.path.push(here);
             self.way_m += since_last_m.unwrap_or(0.0);
@@ -63,6 +71,12 @@ impl Seen {
     /// Places of the vehicle, half a metre apart.
     pub fn path(&self) -> &[Anchored] {
         &self.path
+    }
+
+    /// The path in its stretches: how one lies to the one before was not seen.
+    pub fn stretches(&self) -> impl Iterator<Item = &[Anchored]> {
+        let ends = self.stretches.iter().skip(1).map(|(begin, _)| *begin).chain([self.path.len()]);
+        self.stretches.iter().zip(ends).map(|((begin, _), end)| &self.path[*begin..end])
     }
 
     /// Which places of the path the vehicle left with an answer that was unsure, ascending.

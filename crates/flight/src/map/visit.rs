@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use crosscut_stage::{unit, wrap_angle_rad};
 use nalgebra::{Isometry2, Point2};
 
+use super::nodes::FLOWN_WAY_RAD;
 use crate::belief::{elapsed_s, independent, sure};
 use crate::line_points::LinePoint;
 use crate::{Here, HereKind, Way};
@@ -217,12 +218,12 @@ impl Visit {
         self.ways.iter().map(mouth_m).collect()
     }
 
-    /// The way in whose direction a place lies, in the frame of the anchor.
-    pub(crate) fn way_to(&self, place_m: Point2<f64>) -> usize {
-        let bearing_rad = place_m.y.atan2(place_m.x);
-        let off_rad = |way: &Way| wrap_angle_rad(way.bearing_rad - bearing_rad).abs();
-        let nearest = self.ways.iter().enumerate().min_by(|a, b| off_rad(a.1).total_cmp(&off_rad(b.1)));
-        nearest.map_or(0, |(index, _)| index)
+    /// The direction of the way that leads to a place, in the frame of the anchor; that of the place itself, if no way was seen there.
+    pub(crate) fn direction_rad(&self, place_m: Point2<f64>) -> f64 {
+        let place_rad = place_m.y.atan2(place_m.x);
+        let off_rad = |way: &Way| wrap_angle_rad(way.bearing_rad - place_rad).abs();
+        let nearest = self.ways.iter().min_by(|a, b| off_rad(a).total_cmp(&off_rad(b)));
+        nearest.filter(|way| off_rad(way) <= FLOWN_WAY_RAD).map_or(place_rad, |way| way.bearing_rad)
     }
 
     /// Whether the vehicle came or left on the side of a dead end that is closed: then it is none.

@@ -174,6 +174,18 @@ fn a_way_looked_into_from_a_wide_place_and_not_left_by_is_not_taken() {
 }
 
 #[test]
+fn a_way_that_was_flown_and_not_seen_is_the_one_that_is_taken() {
+    use HereKind::{Junction, Passage};
+    let stays = [(4.0, Junction), (20.0, Passage), (24.0, Junction), (60.0, Passage)];
+    // To the left, into a junction that no way is seen to lead back from, and on to the right.
+    let map = flown(&stays, 5.0, |way_m| [(way_m - 22.0).max(0.0), way_m.min(22.0)]);
+    let ways = |node: usize| map.nodes[node].ways.iter().map(|way| (way.bearing_rad.round(), way.taken, way.passage));
+    assert_eq!(ways(0).collect::<Vec<_>>(), [(0.0, false, None), (2.0, true, Some(0)), (3.0, false, None)]);
+    let second = [(0.0, true, None), (2.0, false, None), (3.0, false, None), (-2.0, true, Some(0))];
+    assert_eq!(ways(1).collect::<Vec<_>>(), second, "{map:?}");
+}
+
+#[test]
 fn two_stays_within_half_a_look_are_one_visit_and_others_are_not() {
     use HereKind::{Junction, Passage};
     let stays =

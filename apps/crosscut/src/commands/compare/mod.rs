@@ -17,7 +17,7 @@ use crosscut_evaluate::verdict::Surer;
 use crosscut_evaluate::{Agreement, Differences};
 use crosscut_outfile::Keep;
 use crosscut_pipeline::{End, StopFlag};
-use crosscut_report::ResultsLine;
+use crosscut_report::{CONFIDENCE, ResultsLine};
 use crosscut_stage::Timings;
 use indicatif::ProgressBar;
 
@@ -167,7 +167,9 @@ struct Paired {
 /// (`ingest.frame_id`).
 fn pair(configurations: &[Configuration], mut answers: Vec<Answers>, bar: &ProgressBar) -> anyhow::Result<Paired> {
     let mut differences = vec![Differences::default(); answers.len() - 1];
-    let mut surer = vec![Surer::default(); answers.len() - 1];
+    let rule = |of: &Configuration| of.config.params("report").get(CONFIDENCE).to_owned();
+    let rules: Vec<String> = configurations.iter().map(rule).collect();
+    let mut surer: Vec<_> = rules[1..].iter().map(|other| Surer::by([&rules[0], other])).collect();
     let names: Vec<String> = configurations.iter().map(|of| of.name.clone()).collect();
     let (mut experiment, mut stopwatch) = (Experiment::new(names.clone()), Stopwatch::new(names));
     let mut first_stamp_ns = None;

@@ -30,14 +30,17 @@ pub(super) fn html(title: &str, config: &Config, flown: &Flown, shown: &Shown, h
     let title = escaped(title);
     let revolutions = counted(summary.revolutions, "revolution");
     let (over_time, flips) = course.picture();
-    let sure: u64 = summary.junctions.values().map(|answers| answers.sure).sum();
+    let [sure, rated] =
+        summary.junctions.values().fold([0, 0], |[sure, rated], answers| [sure + answers.sure, rated + answers.rated]);
     let percent = |part: f64| format!("{:.1} %", 100.0 * part / summary.revolutions.max(1) as f64);
     let found = no_place.reason(&map).unwrap_or_else(|| format!("The map has {}.", map.summary()));
+    let sure = match rated {
+        0 => "how sure the answers are is not known, as nothing was calibrated for them".to_owned(),
+        _ => format!("{} of the answers are sure (confidence {SURE} or more)", percent(sure as f64)),
+    };
     let opening = format!(
-        "<p>{revolutions} (turns of the lidar) in {:.1} s of the recording; {} of the answers are sure (confidence {SURE} or \
-         more).</p>\n<p>{}</p>\n<p>{}</p>\n",
+        "<p>{revolutions} (turns of the lidar) in {:.1} s of the recording; {sure}.</p>\n<p>{}</p>\n<p>{}</p>\n",
         course.duration_s(),
-        percent(sure as f64),
         escaped(&found),
         match flips {
             0 =>
