@@ -11,10 +11,13 @@ use crosscut_stage::Measured;
 use super::gap::{BUMP_HIDES_BUMPS_AT_CORNER, BUMP_HIDES_M, Gap};
 use super::rules::PLAIN_BUMPS;
 use super::terms::{CONSTANT, TERMS};
-use super::verdict::Decision;
+use super::verdict::{DOOR, Decision};
 
 /// An opening at which something is seen has at least these odds: 3 of 10 gaps like it are openings.
 const LEAST_ODDS: f64 = 3.0 / 7.0;
+/// A door in which nothing is seen has at least these odds: 1 of 10 gaps like it is an opening. A patch of lost beams may be as
+/// wide as a door.
+const LEAST_DOOR_ODDS: f64 = 1.0 / 9.0;
 /// The reason where the odds leave no opening.
 const UNLIKELY: &str = "a wall that closes it may be hidden";
 
@@ -74,23 +77,25 @@ impl Gap<'_> {
         std::array::from_fn(|at| f64::midpoint(one[at], other[at]))
     }
 
-    /// The decision; none for an opening if the odds that all measurements together give it are below [`LEAST_ODDS`].
-    /// The odds are then the room, so the gap keeps its doubt. Where nothing is seen the rules decide alone:
-    /// no measurement shows how the hidden wall runs.
+    /// The decision; none for an opening if the odds that all measurements together give it are below [`LEAST_ODDS`], or
+    /// below [`LEAST_DOOR_ODDS`] at a door in which nothing is seen. The odds are then the room, so the gap keeps its doubt.
+    /// Elsewhere in the dark the rules decide alone: no measurement shows how the hidden wall runs.
     pub(super) fn limited_by_odds(&self, decision: Decision) -> Decision {
-        if self.is_dark || !decision.is_opening() || self.context.thresholds.disabled.odds {
+        let is_door = decision.reason == DOOR;
+        if (self.is_dark && !is_door) || !decision.is_opening() || self.context.thresholds.disabled.odds {
             return decision;
         }
+        let least = if is_door { LEAST_DOOR_ODDS } else { LEAST_ODDS };
         let odds = odds(&self.measures(decision));
         let percent = |odds: f64| 100.0 * odds / (1.0 + odds);
         let measured = || Measured {
             what: "the share of openings among gaps that measure like this is",
             value: percent(odds),
             against: "an opening has at least",
-            limit: percent(LEAST_ODDS),
+            limit: percent(least),
             unit: "%",
         };
-        if odds < LEAST_ODDS {
+        if odds < least {
             Decision { room_ratio: odds, reason: UNLIKELY, measured: Some(measured()), ..decision }
         } else {
             decision

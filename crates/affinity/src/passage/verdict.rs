@@ -53,6 +53,9 @@ pub(super) enum VetoPhase {
 /// The words of the rule that asks for a width.
 pub(super) const WIDTH: &str = "width for the turn";
 
+/// The words of the rule for doors in which nothing is seen.
+pub(super) const DOOR: &str = "nothing is seen in a door";
+
 /// The rules. Of one group, the rule that finds the most room decides; of equal ones, the first.
 pub(super) const RULES: [Rule; 10] = [
     Rule { name: "width", words: WIDTH, group: RuleGroup::Clear, room: rules::room_in_width },
@@ -76,7 +79,7 @@ pub(super) const RULES: [Rule; 10] = [
         group: RuleGroup::Clear,
         room: mouth::room_behind_mouth,
     },
-    Rule { name: "doors", words: "nothing is seen in a door", group: RuleGroup::Dark, room: dark::room_in_door },
+    Rule { name: "doors", words: DOOR, group: RuleGroup::Dark, room: dark::room_in_door },
     Rule { name: "blank", words: "nothing is seen", group: RuleGroup::Dark, room: dark::room_in_blank },
     Rule {
         name: "dark_end",
