@@ -14,9 +14,7 @@
 //!   one wall end at the straight line from the one to the other: wet rock is no mouth.
 //! - A **mouth** is a run of beams that leave the circle, there at least as wide as the vehicle and a quarter of the local
 //!   width. Some beam reaches 5 % farther, or an opening lies behind it. A passage that is seen to end has a mouth, too.
-//! - **Ways** are the openings behind mouths, one for each mouth: the one with the nearest edge. An opening that begins within
-//!   the circle, where its far side hides it from the circle, is a way of its own: at a fork or in a bend a way leaves by no
-//!   beam. It is likelier an opening than not, as wide as a mouth, and at least as far from every mouth along the circle.
+//! - **Ways** are the openings behind mouths, one for each mouth: the one with the nearest edge.
 //! - Where a limited view does not look, what earlier scans saw there counts ([`Surroundings`]). What was never seen and is
 //!   wider than a mouth is a way, with half the confidence, if the walls on both sides of it run on side by side, and the
 //!   place is no passage then; else it is not known.
@@ -72,9 +70,6 @@ const LEAST_REACH: f64 = 1.05;
 
 /// Returns of one wall that are a wider angle apart are not joined.
 const MAX_JOINED_RAD: f64 = 2.6;
-
-/// An opening within the circle is a way of its own from this probability on.
-const LEAST_OWN_P: f64 = 0.5;
 
 /// Rock between two mouths that is narrower than this on the circle does not part them.
 const LEAST_ROCK_M: f64 = 0.3;
@@ -260,22 +255,16 @@ impl Outline {
             return None;
         }
         let mut nearest: Vec<Option<(f64, usize)>> = vec![None; runs.len()];
-        let mut own: Vec<Way> = Vec::new();
         for (index, opening) in openings.iter().enumerate() {
             let ends_m = opening.edge_m.map(|end_m| end_m.coords.xy());
             let near_m = ends_m[0].norm().min(ends_m[1].norm());
             let far = ends_m.iter().filter(|end_m| end_m.norm() > look_m).map(|end_m| self.at(end_m.y.atan2(end_m.x)));
             let middle = self.at(opening.bearing_rad);
             let run = far.chain([middle]).find_map(|at| runs.iter().position(|run| run.contains(at)));
-            match run {
-                Some(run) if nearest[run].is_none_or(|(other_m, _)| near_m < other_m) => {
-                    nearest[run] = Some((near_m, index));
-                }
-                None if near_m <= look_m && self.is_own_way(opening, &runs, look_m, least_m) => {
-                    let Opening { bearing_rad, width_m, .. } = *opening;
-                    own.push(Way { bearing_rad, width_m, opening: Some(index) });
-                }
-                _ => {}
+            if let Some(run) = run
+                && nearest[run].is_none_or(|(other_m, _)| near_m < other_m)
+            {
+                nearest[run] = Some((near_m, index));
             }
         }
         let is_deep = |run: &Run| run.reach_m >= LEAST_REACH * look_m;
@@ -289,7 +278,7 @@ impl Outline {
                 opening: opening.map(|(_, index)| index),
             }
         };
-        let mut ways: Vec<Way> = behind.map(|(run, opening)| way(run, opening)).chain(unseen).chain(own).collect();
+        let mut ways: Vec<Way> = behind.map(|(run, opening)| way(run, opening)).chain(unseen).collect();
         ways.sort_by(|a, b| a.bearing_rad.total_cmp(&b.bearing_rad));
         let opening_m = |way: &Way| way.opening.map(|index| openings[index].width_m);
         let widest_m = ways.iter().filter_map(opening_m).fold(0.0, f64::max);
@@ -303,20 +292,6 @@ impl Outline {
         };
         // A flight that begins at the face of a dead end sees the same walls behind it as one that begins in a passage.
         (is_seen || ways.len() != 2).then_some(Place { kind, ways, is_seen })
-    }
-
-    /// Whether an opening within the circle is a way beside those of these runs.
-    fn is_own_way(&self, opening: &Opening, runs: &[Run], look_m: f64, least_m: f64) -> bool {
-        // From the bearing of the opening.
-        let [from_rad, to_rad] =
-            opening.edge_m.map(|end_m| wrap_angle_rad(end_m.y.atan2(end_m.x) - opening.bearing_rad));
-        let (middle_rad, half_rad) = (0.5 * (from_rad + to_rad), 0.5 * (to_rad - from_rad).abs());
-        let is_apart = |run: &Run| {
-            let [first_rad, last_rad] = [run.first, run.first + run.len - 1].map(|at| self.bearing_rad(at));
-            let off_rad = wrap_angle_rad(opening.bearing_rad + middle_rad - 0.5 * (first_rad + last_rad)).abs();
-            look_m * (off_rad - half_rad - 0.5 * (last_rad - first_rad)) >= least_m
-        };
-        opening.width_m >= least_m && opening.p.is_none_or(|p| p >= LEAST_OWN_P) && runs.iter().all(is_apart)
     }
 
     /// The way that a run of rays which end at what was never seen is taken to be: between two walls that run on side by
