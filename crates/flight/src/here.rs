@@ -18,7 +18,8 @@
 //! - Where a limited view does not look, what earlier scans saw there counts ([`Surroundings`]). What was never seen and is
 //!   wider than a mouth is a way, with half the confidence, if the walls on both sides of it run on side by side, and the
 //!   place is no passage then; else it is not known.
-//! - Three mouths and more are a junction, two a passage, one a dead end; none, or up to two of a place that is more than
+//! - A mouth of half a turn or more leads out of no place: one wall is beside the sensor, and the place is not known.
+//! - Three ways and more are a junction, two a passage, one a dead end; none, or up to two of a place that is more than
 //!   1.5 times as wide as they are, a chamber.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -117,7 +118,7 @@ impl Places {
     }
 
     /// The place of the next revolution with its report and its pose; `None` for a cloud, where no wall is in view, and
-    /// for a limited view that has not seen enough around it yet, or has no pose.
+    /// beside one wall alone; and for a limited view that has not seen enough around it yet, or has no pose.
     pub fn here(&mut self, revolution: &Revolution, junction: &Junction, tracked: Option<&Tracked>) -> Option<Here> {
         let sweep = revolution.as_sweep()?;
         let view = sweep.view();
@@ -267,6 +268,9 @@ impl Outline {
         let unseen: Vec<Way> = unseen.iter().map(|run| self.unseen_way(run, look_m, least_m)).collect::<Option<_>>()?;
         let is_seen = unseen.is_empty();
         let runs = self.runs(look_m, least_m, |ray| ray.free_m > look_m);
+        if runs.iter().any(|run| run.has_rock() && self.arc_m(run.first - 1, run.first + run.len, 1.0) >= PI) {
+            return None;
+        }
         let mut nearest: Vec<Option<(f64, usize)>> = vec![None; runs.len()];
         for (index, opening) in openings.iter().enumerate() {
             let ends_m = opening.edge_m.map(|end_m| end_m.coords.xy());
@@ -397,6 +401,11 @@ struct Run {
 }
 
 impl Run {
+    /// The circle crosses rock somewhere.
+    fn has_rock(&self) -> bool {
+        self.reach_m.is_finite()
+    }
+
     fn contains(&self, at: usize) -> bool {
         (at + self.of - self.first % self.of) % self.of < self.len
     }

@@ -107,3 +107,32 @@ fn a_first_scan_with_a_limited_view_names_a_junction_or_nothing() {
     let [_, known, right] = sum;
     assert!(known >= 20 && right as f64 >= 0.8 * known as f64, "{sum:?}");
 }
+
+/// The place in a scan, of a full turn of a beam a degree, of these walls, each from a point to another, in metres.
+fn place_between(walls_m: &[[[f64; 2]; 2]]) -> Option<Here> {
+    let mut scene = (scenario("tunnel").fly)(1).next().expect("a flight has scans");
+    let far_m = f64::from(scene.scan.range_max);
+    let free_m = |bearing_rad: f64| {
+        let (y, x) = bearing_rad.sin_cos();
+        let hit_m = |[from, to]: &[[f64; 2]; 2]| {
+            let [along_x, along_y] = [to[0] - from[0], to[1] - from[1]];
+            let across = x * along_y - y * along_x;
+            let (range_m, at) =
+                ((from[0] * along_y - from[1] * along_x) / across, (from[0] * y - from[1] * x) / across);
+            (range_m > 0.0 && (0.0..=1.0).contains(&at)).then_some(range_m)
+        };
+        walls_m.iter().filter_map(hit_m).filter(|range_m| *range_m < far_m).fold(f64::INFINITY, f64::min)
+    };
+    let (first_rad, step_rad) = (f64::from(scene.scan.angle_min), f64::from(scene.scan.angle_increment));
+    scene.scan.ranges =
+        (0..scene.scan.ranges.len()).map(|beam| free_m(first_rad + beam as f64 * step_rad) as f32).collect();
+    FlightAnswer::of(Follower::default().follow(&scene)).here.clone()
+}
+
+#[test]
+fn beside_one_wall_in_the_open_no_place_is_known() {
+    let [near, far] = [0.65, -1.5].map(|y_m| [[-30.0, y_m], [30.0, y_m]]);
+    assert_eq!(place_between(&[near]), None);
+    let passage = place_between(&[near, far]).expect("a full turn");
+    assert_eq!((format!("{:?}", passage.kind), passage.ways.len()), ("Passage".to_owned(), 2));
+}
