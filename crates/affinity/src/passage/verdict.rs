@@ -96,7 +96,7 @@ pub(super) const RULES: [Rule; 10] = [
 ];
 
 /// The vetoes. The first that holds decides.
-const VETOES: [Veto; 4] = [
+const VETOES: [Veto; 3] = [
     Veto {
         name: "line",
         words: "the line of the nearer wall goes on",
@@ -105,12 +105,6 @@ const VETOES: [Veto; 4] = [
     },
     Veto { name: CORNER, words: "an inner corner", phase: VetoPhase::OfClearRules, holds: |gap| gap.in_corner() },
     Veto { name: "slit", words: "a slit", phase: VetoPhase::OfOpenings, holds: |gap| gap.in_slit() },
-    Veto {
-        name: "long_line",
-        words: "the line of the nearer wall over 3 m goes on",
-        phase: VetoPhase::OfOpenings,
-        holds: |gap| gap.in_long_line(),
-    },
 ];
 
 /// The veto of inner corners, which a side passage is not either.
