@@ -257,7 +257,11 @@ fn a_comparison_begins_with_its_conclusion() {
             && first.contains("exact McNemar p = "),
         "{first}"
     );
-    assert!(ran.stdout.contains("default and paper differ in 70 of 141; their confidences follow two rules"), "{}", ran.stdout);
+    assert!(
+        ran.stdout.contains("default and paper differ in 70 of 141; their confidences follow two rules"),
+        "{}",
+        ran.stdout
+    );
     let json = json(&shipped_flight(), &["default", "paper"]);
     let verdict = &json["verdicts"][0];
     let count = |name: &str| verdict["families"][0][name].as_array().expect("a list").len();
