@@ -47,7 +47,7 @@ fn gaps(gaps: KnownGaps) -> Option<String> {
 
 /// Counts for a history of runs.
 pub(crate) fn figures(summary: &Summary) -> serde_json::Value {
-    let sure: u64 = summary.junctions.values().map(|answers| answers.sure).sum();
+    let sure = summary.answers().sure;
     let mut figures = serde_json::json!({"revolutions": summary.revolutions, "noted": summary.noted, "sure": sure});
     for (walls, answers) in &summary.junctions {
         figures[format!("{walls} walls")] = answers.revolutions.into();

@@ -185,7 +185,7 @@ impl LocalMap {
     }
 
     /// Calls `see` with the index and the squared distance of each line point that is nearer to a place than the root of
-    /// `within_m2`, up to what is in the cells beside the place's own. `see` may lower this bound, which is returned.
+    /// `within_m2`, from the cell of the place and those beside it. `see` may lower this bound; the last bound is returned.
     fn look_around(&self, place_m: &Point2<f64>, mut within_m2: f64, mut see: impl FnMut(usize, f64, &mut f64)) -> f64 {
         let ([x, y], [in_x_m, in_y_m]) = (cell_of(place_m), in_cell_m(place_m));
         // The place's own cell is first: what is found there rules out most of the others.

@@ -87,6 +87,15 @@ impl StageTimes {
 }
 
 impl Summary {
+    /// The answers of all revolutions, whatever their number of junctions.
+    pub fn answers(&self) -> Answers {
+        self.junctions.values().fold(Answers::default(), |all, of| Answers {
+            revolutions: all.revolutions + of.revolutions,
+            sure: all.sure + of.sure,
+            rated: all.rated + of.rated,
+        })
+    }
+
     pub(crate) fn add(&mut self, frame: &Frame) {
         self.revolutions += 1;
         let answers = self.junctions.entry(frame.junction.junctions).or_default();

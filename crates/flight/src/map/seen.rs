@@ -37,10 +37,10 @@ impl Seen {
         let is_unsure = self.unsure.after(frame.junction.confidence);
         let FlightAnswer { pose: Some(pose), doubt, .. } = FlightAnswer::of(frame) else { return };
         let stretch = doubt.map_or(0, |doubt| doubt.stretch);
-        if self.stretches.last().is_none_or(|(_, last)| *last != stretch) {
+        let is_new_stretch = self.stretches.last().is_none_or(|(_, last)| *last != stretch);
+        if is_new_stretch {
             self.stretches.push((self.path.len(), stretch));
         }
-        let is_new_stretch = self.stretches.last().is_some_and(|(begin, _)| *begin == self.path.len());
         let here = mapper.anchored(*pose);
         let placed_m = |anchored: &Anchored| Point2::from(mapper.placed(anchored).translation.vector);
         let at_m = placed_m(&here);

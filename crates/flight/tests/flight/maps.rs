@@ -257,7 +257,7 @@ fn a_stretch_beyond_a_gap_joins_again_by_three_places() {
     let (map, _) = map_with(plan, |_| true, |place_m| !(100.0..106.0).contains(&place_m.x));
     let tees = map.nodes.iter().filter(|node| node.kind == HereKind::Junction).count();
     assert_eq!(tees, 4, "{}: {:#?}", map.summary(), map.merges);
-    // The first two places of the stretch lie near those that they are by a guess; the third one tells.
+    // The first two places of the stretch lie, by a guess, near those that they are; the third one decides.
     let is_by_position = |merge: &&crosscut_flight::Merge| merge.why.starts_with("after the correction");
     assert_eq!(map.merges[..3].iter().filter(is_by_position).count(), 0, "{:#?}", map.merges);
 }
@@ -267,7 +267,7 @@ fn map_of(plan: &str, lasts: impl Fn(Point) -> bool) -> (Map, Vec<String>) {
     map_with(plan, lasts, |_| true)
 }
 
-/// The same, with a recording that has only those places for which `has` is true.
+/// The map of such a flight whose recording has only the places for which `has` is true.
 fn map_with(plan: &str, lasts: impl Fn(Point) -> bool, has: impl Fn(Point) -> bool) -> (Map, Vec<String>) {
     let scenes = Plan::from_json(plan).and_then(|plan| plan.fly(1)).expect("a plan");
     let mut mapper = Mapper::default();

@@ -3,7 +3,7 @@
 use crosscut_detector::Config;
 use crosscut_evaluate::tables::Table;
 use crosscut_evaluate::{AROUND, Evaluation};
-use crosscut_pipeline::End;
+use crosscut_pipeline::{Answers, End};
 use crosscut_stage::{SURE, counted};
 
 use super::Shown;
@@ -30,8 +30,7 @@ pub(super) fn html(title: &str, config: &Config, flown: &Flown, shown: &Shown, h
     let title = escaped(title);
     let revolutions = counted(summary.revolutions, "revolution");
     let (over_time, flips) = course.picture();
-    let [sure, rated] =
-        summary.junctions.values().fold([0, 0], |[sure, rated], answers| [sure + answers.sure, rated + answers.rated]);
+    let Answers { sure, rated, .. } = summary.answers();
     let percent = |part: f64| format!("{:.1} %", 100.0 * part / summary.revolutions.max(1) as f64);
     let found = no_place.reason(&map).unwrap_or_else(|| format!("The map has {}.", map.summary()));
     let sure = match rated {

@@ -97,6 +97,7 @@ pub(super) fn table(grid: &Grid, rows: &[Row<'_>]) -> String {
         let percent = |name: &str| mean(of.iter().map(|row| row.figure(name))).map(|value| 100.0 * value);
         let cell =
             |value: Option<f64>, decimals: usize| value.map_or("-".to_owned(), |value| format!("{value:.decimals$}"));
+        // A plain sum of nothing is -0.
         let flips = of.iter().filter_map(|row| row.figure("flips")).fold(0.0, |sum: f64, flips| sum + flips);
         let of_point = [
             of.len().to_string(),
