@@ -9,7 +9,7 @@ use nalgebra::{Isometry2, Matrix3, Point2, Vector3};
 use super::Map;
 use super::outline::Walls;
 use super::passed::Passed;
-use super::recognise::Guess;
+use super::recognise::{Guess, Stray};
 use super::travelled::Travelled;
 use super::visit::{OpenVisit, Visit};
 use crate::line_points::line_points;
@@ -54,8 +54,9 @@ pub struct Mapper {
     in_node_doubt: PoseDoubt,
     /// Of the latest pose.
     doubt: PoseDoubt,
-    /// Where visits to which no known way led may have been.
+    /// Where visits of this stretch to which no known way led may have been, and those that were not compared with all places.
     pub(super) guesses: Vec<Guess>,
+    pub(super) strays: Vec<Stray>,
 }
 
 /// The flight between two visits.
@@ -220,6 +221,8 @@ impl Mapper {
         self.end_passing();
         self.end_visit(self.in_node_ns, None);
         self.last = None;
+        self.guesses.clear();
+        self.strays.clear();
         self.way.begin_again();
         self.passed.clear();
     }
@@ -253,7 +256,7 @@ impl Mapper {
         if left_to.is_some() && stayed.is_none() && self.is_a_pocket(&visit) {
             return;
         }
-        let walls = Walls::new(&visit.outline);
+        let walls = Arc::new(Walls::new(&visit.outline));
         let number = self.graph.poses.len();
         self.graph.poses.push(predicted);
         if let Some(last) = &self.last {

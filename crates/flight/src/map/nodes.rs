@@ -24,7 +24,7 @@ const SAME_WAY_RAD: f64 = 0.6;
 pub(super) const FLOWN_WAY_RAD: f64 = 1.0;
 
 impl Mapper {
-    pub(super) fn add_node(&mut self, visit: &Visit, walls: Walls, number: usize) -> usize {
+    pub(super) fn add_node(&mut self, visit: &Visit, walls: Arc<Walls>, number: usize) -> usize {
         let way = |way: &Way| new_way(way.bearing_rad, way.width_m);
         self.map.nodes.push(Node {
             kind: visit.kind,
@@ -33,7 +33,7 @@ impl Mapper {
             visits: Vec::new(),
         });
         self.places.push(Place {
-            walls: Arc::new(walls),
+            walls,
             ways_rad: visit.ways.iter().map(|way| way.bearing_rad).collect(),
             first_visit: number,
             belief: BTreeMap::new(),
@@ -229,6 +229,9 @@ impl Mapper {
         }
         for refused in self.map.refusals.iter_mut().map(|refusal| &mut refusal.node) {
             *refused = moved(*refused);
+        }
+        for guessed in self.guesses.iter_mut().map(|guess| &mut guess.node) {
+            *guessed = moved(*guessed);
         }
         if let Some(last) = &mut self.last {
             if last.node == from {

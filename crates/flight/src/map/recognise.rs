@@ -1,7 +1,8 @@
 //! Whether a visit is to a place seen before.
 
-use std::collections::{BTreeSet, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use nalgebra::{Isometry2, Point2};
 
@@ -11,6 +12,7 @@ use super::mapper::Flown;
 use super::outline::{Fit, Walls};
 use super::visit::Visit;
 use super::{Mapper, Refusal};
+use crate::HereKind;
 
 /// Anchors of one place lie within this of each other, and within this many looks; within this many standard deviations of
 /// the pose more. Those of all that was flown since the place add up, as a heading that is off is so for all that follows.
@@ -56,9 +58,30 @@ const AGREED_RAD: f64 = 0.15;
 /// Where a stretch lies if a visit of it was to a node.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Guess {
-    node: usize,
+    pub(super) node: usize,
+    /// The number of the node's [group](Mapper::groups): how the places of two groups lie to each other is not known, so that
+    /// they do not agree.
+    group: usize,
     /// Brings tracked poses into the map's frame.
     stretch: Isometry2<f64>,
+}
+
+/// A visit to a place that was not recognised, as it is compared with places of other groups.
+#[derive(Clone, Debug)]
+pub(super) struct Stray {
+    kind: HereKind,
+    anchor: Isometry2<f64>,
+    bearings_rad: Vec<f64>,
+    walls: Arc<Walls>,
+}
+
+/// Places of other groups than that of a visit.
+#[derive(Default)]
+struct Elsewhere {
+    /// Each with its group. Of groups that have enough places to show where a stretch lies.
+    many: Vec<(usize, usize)>,
+    /// Of groups of [`AGREED_PLACES`], which may but contradict: what one of these would have, the stretch has to have more of.
+    pairs: Vec<(usize, usize)>,
 }
 
 /// A place that a visit may be to.
@@ -72,25 +95,24 @@ impl Mapper {
     pub(super) fn recognise(
         &mut self,
         visit: &Visit,
-        walls: &Walls,
+        walls: &Arc<Walls>,
         predicted: &Isometry2<f64>,
         but: Option<usize>,
     ) -> Option<(Candidate, Option<f64>)> {
-        let (mut candidates, mut guesses): (Vec<Candidate>, Vec<Candidate>) = (Vec::new(), Vec::new());
+        let mut candidates: Vec<Candidate> = Vec::new();
+        let bearings_rad: Vec<f64> = visit.ways.iter().map(|way| way.bearing_rad).collect();
         let flown = self.graph.poses.len().checked_sub(1).map_or_else(Vec::new, |last| self.flown_to(last));
+        let mut is_known_from_all = true;
         for (node, place) in self.places.iter().enumerate() {
+            let Flown { way_m: since_m, sd_m } = flown[place.first_visit];
+            let Some(sd_m) = sd_m else {
+                is_known_from_all = false;
+                continue;
+            };
             if self.map.nodes[node].kind != visit.kind || Some(node) == but {
                 continue;
             }
-            let Flown { way_m: since_m, sd_m } = flown[place.first_visit];
             let apart = self.graph.poses[place.first_visit].inv_mul(predicted);
-            let Some(sd_m) = sd_m else {
-                let turns = (0..visit.ways.len()).filter_map(|shift| turn_rad(visit, &place.ways_rad, shift));
-                guesses.extend(
-                    turns.filter_map(|yaw_rad| Some(Candidate { node, fit: place.walls.fit(walls, yaw_rad)? })),
-                );
-                continue;
-            };
             let anchors_m = ANCHORS_M.max(ANCHORS_LOOKS * visit.look_m);
             if apart.translation.vector.norm() > anchors_m + DEVIATIONS * sd_m {
                 continue;
@@ -99,13 +121,58 @@ impl Mapper {
             // A way may have been missed on one of the visits: then the walls alone tell.
             let predicted_rad = apart.rotation.angle();
             let is_likely = |yaw_rad: &f64| wrap_angle_rad(yaw_rad - predicted_rad).abs() <= yaw_off_rad;
-            let turns = (0..visit.ways.len()).filter_map(|shift| turn_rad(visit, &place.ways_rad, shift));
+            let turns = turns_rad(&bearings_rad, &place.ways_rad);
             for yaw_rad in turns.filter(is_likely).chain([predicted_rad]) {
                 candidates.extend(place.walls.fit(walls, yaw_rad).map(|fit| Candidate { node, fit }));
             }
         }
-        guesses.retain(|guess| guess.fit.share >= GUESSED_SHARE);
-        self.decide(visit, candidates).or_else(|| self.agreed(visit, guesses))
+        let decided = self.decide(visit, candidates);
+        if decided.is_some() || is_known_from_all {
+            return decided;
+        }
+        let stray = Stray { kind: visit.kind, anchor: visit.anchor, bearings_rad, walls: Arc::clone(walls) };
+        self.agreed(stray, &self.elsewhere(&flown, but)).map(|candidate| (candidate, None))
+    }
+
+    /// The places to which no known way leads.
+    fn elsewhere(&self, flown: &[Flown], but: Option<usize>) -> Elsewhere {
+        let groups = self.groups();
+        let mut sizes: BTreeMap<usize, usize> = BTreeMap::new();
+        for place in &self.places {
+            *sizes.entry(groups[place.first_visit]).or_default() += 1;
+        }
+        let mut elsewhere = Elsewhere::default();
+        for (node, place) in self.places.iter().enumerate() {
+            if Some(node) == but || flown[place.first_visit].sd_m.is_some() {
+                continue;
+            }
+            let group = groups[place.first_visit];
+            match sizes[&group] {
+                more if more > AGREED_PLACES => elsewhere.many.push((node, group)),
+                AGREED_PLACES => elsewhere.pairs.push((node, group)),
+                _ => {}
+            }
+        }
+        elsewhere
+    }
+
+    /// For each visit the number of its group: within a group it is measured how visits lie to each other.
+    fn groups(&self) -> Vec<usize> {
+        let mut groups: Vec<usize> = (0..self.graph.poses.len()).collect();
+        for (edge, _) in self.graph.edges.iter().zip(&self.flown).filter(|(_, flown)| flown.way_m.is_finite()) {
+            let first = |mut visit: usize| {
+                while groups[visit] != visit {
+                    visit = groups[visit];
+                }
+                visit
+            };
+            let [from, to] = [edge.from, edge.to].map(first);
+            groups[from.max(to)] = from.min(to);
+        }
+        for visit in 0..groups.len() {
+            groups[visit] = groups[groups[visit]];
+        }
+        groups
     }
 
     /// The best known way from each visit to one of them, over edges of the graph; infinite where there is none that is known.
@@ -136,34 +203,57 @@ impl Mapper {
 
     /// Of places that a visit may be to although no known way leads there: the one that agrees with what other visits since
     /// may have been to. Three places in their right relation are no chance, unless places stand in a row; one may look like many.
-    fn agreed(&mut self, visit: &Visit, guesses: Vec<Candidate>) -> Option<(Candidate, Option<f64>)> {
-        let guess = |candidate: &Candidate| {
-            let stretch = self.graph.poses[self.places[candidate.node].first_visit] * candidate.fit.pose;
-            Guess { node: candidate.node, stretch: stretch * visit.anchor.inverse() }
-        };
-        let made: Vec<Guess> = guesses.iter().map(guess).collect();
+    fn agreed(&mut self, visit: Stray, elsewhere: &Elsewhere) -> Option<Candidate> {
         let place_m = Point2::from(visit.anchor.translation.vector);
-        let is_one = |of: &Guess, other: &Guess| {
-            let off_rad = of.stretch.rotation.angle_to(&other.stretch.rotation).abs();
-            off_rad < AGREED_RAD && (of.stretch * place_m - other.stretch * place_m).norm() < ANCHORS_M
-        };
-        let agreeing = |of: &Guess| {
-            let others = self.guesses.iter().filter(|other| other.node != of.node && is_one(of, other));
-            others.map(|other| other.node).collect::<BTreeSet<_>>().len()
-        };
-        let agreed: Vec<usize> = (0..made.len()).filter(|&at| agreeing(&made[at]) >= AGREED_PLACES).collect();
-        let leads = |at: usize| {
-            let rivals = self.guesses.iter().filter(|other| !is_one(&made[at], other));
-            rivals.map(agreeing).all(|rival| agreeing(&made[at]) >= rival + AGREED_LEAD)
-        };
-        let found = match agreed[..] {
-            [one] if leads(one) => guesses.into_iter().nth(one),
+        let (candidates, made): (Vec<Candidate>, Vec<Guess>) =
+            self.resembling(&visit, &elsewhere.many).into_iter().unzip();
+        let agrees = |of: &&Guess| self.agreeing(of, &place_m) >= AGREED_PLACES;
+        let found = match made.iter().enumerate().filter(|(_, of)| agrees(of)).collect::<Vec<_>>()[..] {
+            [(at, of)] => {
+                let strays = std::mem::take(&mut self.strays);
+                let rivals = strays.iter().flat_map(|stray| self.resembling(stray, &elsewhere.pairs));
+                let rivals: Vec<Guess> = rivals.map(|(_, guess)| guess).collect();
+                self.guesses.extend(rivals);
+                self.leads(of, &place_m).then_some(at)
+            }
             _ => None,
         };
+        if let Some(at) = found {
+            self.guesses.clear();
+            self.strays.clear();
+            return candidates.into_iter().nth(at);
+        }
         self.guesses.extend(made);
-        let found = found?;
-        self.guesses.clear();
-        Some((found, None))
+        self.strays.push(visit);
+        None
+    }
+
+    /// Of places to which no known way leads, those that a visit may be to, each with where its stretch then lies.
+    fn resembling(&self, visit: &Stray, places: &[(usize, usize)]) -> Vec<(Candidate, Guess)> {
+        let of_kind = places.iter().filter(|(node, _)| self.map.nodes[*node].kind == visit.kind);
+        let resembling = of_kind.flat_map(|&(node, group)| {
+            let place = &self.places[node];
+            let fits =
+                turns_rad(&visit.bearings_rad, &place.ways_rad).filter_map(|rad| place.walls.fit(&visit.walls, rad));
+            fits.filter(|fit| fit.share >= GUESSED_SHARE).map(move |fit| {
+                let stretch = self.graph.poses[place.first_visit] * fit.pose * visit.anchor.inverse();
+                (Candidate { node, fit }, Guess { node, group, stretch })
+            })
+        });
+        resembling.collect()
+    }
+
+    /// How many other places other visits may be to if the stretch lies where a guess has it.
+    fn agreeing(&self, of: &Guess, place_m: &Point2<f64>) -> usize {
+        let others = self.guesses.iter().filter(|other| other.node != of.node && of.is_one(other, place_m));
+        others.map(|other| other.node).collect::<BTreeSet<_>>().len()
+    }
+
+    /// Whether more places agree on a guess than on any other.
+    fn leads(&self, of: &Guess, place_m: &Point2<f64>) -> bool {
+        let agreeing = self.agreeing(of, place_m);
+        let mut rivals = self.guesses.iter().filter(|other| !of.is_one(other, place_m));
+        rivals.all(|rival| agreeing >= self.agreeing(rival, place_m) + AGREED_LEAD)
     }
 
     fn decide(&mut self, visit: &Visit, mut candidates: Vec<Candidate>) -> Option<(Candidate, Option<f64>)> {
@@ -209,6 +299,15 @@ impl Mapper {
     }
 }
 
+impl Guess {
+    /// Whether both have the stretch lie at the same place, by where they have this place of it.
+    fn is_one(&self, other: &Self, place_m: &Point2<f64>) -> bool {
+        let off_rad = self.stretch.rotation.angle_to(&other.stretch.rotation).abs();
+        let off_m = (self.stretch * place_m - other.stretch * place_m).norm();
+        self.group == other.group && off_rad < AGREED_RAD && off_m < ANCHORS_M
+    }
+}
+
 impl Candidate {
     /// It is another place than `other`, or the same one turned.
     pub(super) fn is_elsewhere(&self, other: &Self) -> bool {
@@ -218,14 +317,19 @@ impl Candidate {
     }
 }
 
+/// The turns that bring the ways of a visit onto those of a node.
+fn turns_rad<'w>(bearings_rad: &'w [f64], ways_rad: &'w [f64]) -> impl Iterator<Item = f64> + 'w {
+    (0..bearings_rad.len()).filter_map(|shift| turn_rad(bearings_rad, ways_rad, shift))
+}
+
 /// The turn that brings the ways of a visit onto those of a node, way i onto way i + `shift`; `None` if they do not
 /// agree.
-fn turn_rad(visit: &Visit, ways_rad: &[f64], shift: usize) -> Option<f64> {
-    let ways = visit.ways.len();
+fn turn_rad(bearings_rad: &[f64], ways_rad: &[f64], shift: usize) -> Option<f64> {
+    let ways = bearings_rad.len();
     if ways != ways_rad.len() {
         return None;
     }
-    let off_rad = |i: usize| ways_rad[(i + shift) % ways] - visit.ways[i].bearing_rad;
+    let off_rad = |i: usize| ways_rad[(i + shift) % ways] - bearings_rad[i];
     let first_rad = off_rad(0);
     let mean_rad = first_rad + (0..ways).map(|i| wrap_angle_rad(off_rad(i) - first_rad)).sum::<f64>() / ways as f64;
     let agree = (0..ways).all(|i| wrap_angle_rad(off_rad(i) - mean_rad).abs() <= WAYS_APART_RAD);
