@@ -3,11 +3,14 @@
 //!
 //! `cargo bench -p crosscut-detector --bench flight` takes simulated flights, all development scenes as if they were one
 //! flight (`unrelated`), and two flights of 20,000 revolutions, of which it prints each thousand: one that is flown forth and
-//! back (`long`), and one that is elsewhere all at once after each minute, as its first minute is repeated (`lost`); `... -- [RECORDING...]` takes recordings instead. Columns are parted by commas, times are in
-//! microseconds. Of each revolution the least time of several passes counts, as another program's turn only ever adds.
+//! back (`long`), and one that is elsewhere all at once after each minute, as its first minute is repeated (`lost`).
+//! `... -- [NAME...]` takes those of these names alone, `... -- [RECORDING...]` takes recordings instead. Columns are parted
+//! by commas, times are in microseconds. Of each revolution the least time of several passes counts, as another program's
+//! turn only ever adds.
 
 mod scans;
 
+use std::path::Path;
 use std::time::Instant;
 
 use crosscut_detector::{Engine, Preset, Sensor, Settings};
@@ -27,7 +30,9 @@ const SWEEP_NS: u64 = 100_000_000;
 
 fn main() -> Fallible<()> {
     // The first argument of a bench is `--bench`.
-    let recordings: Vec<String> = std::env::args().skip(1).filter(|arg| !arg.starts_with("--")).collect();
+    let arguments = std::env::args().skip(1).filter(|arg| !arg.starts_with("--"));
+    let (recordings, names): (Vec<String>, Vec<String>) = arguments.partition(|arg| Path::new(arg).exists());
+    let is_wanted = |name: &str| names.is_empty() || names.iter().any(|wanted| wanted == name);
     println!(
         "scans           ,   from,     to, flight p50,  p99,   most, map p50,  p99,   most, both p50,  p99,   most"
     );
@@ -37,19 +42,21 @@ fn main() -> Fallible<()> {
         }
         return Ok(());
     }
-    for name in FLIGHTS {
+    for name in FLIGHTS.into_iter().filter(|name| is_wanted(name)) {
         let revolutions = flight(name, SEED)?;
         print(name, 0, &mut times_ns(&revolutions, revolutions.len())?);
     }
-    let scenes = suites().iter().flat_map(|suite| suite.scenes(Split::Dev));
-    let unrelated: Vec<Revolution> = scenes.map(|scene| revolution(&scene)).collect();
-    print("unrelated", 0, &mut times_ns(&unrelated, unrelated.len())?);
+    if is_wanted("unrelated") {
+        let scenes = suites().iter().flat_map(|suite| suite.scenes(Split::Dev));
+        let unrelated: Vec<Revolution> = scenes.map(|scene| revolution(&scene)).collect();
+        print("unrelated", 0, &mut times_ns(&unrelated, unrelated.len())?);
+    }
     let mut long = flight(FLIGHTS[0], SEED)?;
     long.extend_from_within(..);
     let half = long.len() / 2;
     long[half..].reverse();
     let lost = &flight("mine", 1)?[..MINUTE];
-    for (name, revolutions) in [("long", &long[..]), ("lost", lost)] {
+    for (name, revolutions) in [("long", &long[..]), ("lost", lost)].into_iter().filter(|(name, _)| is_wanted(name)) {
         for (block, times_ns) in times_ns(revolutions, LONG)?.chunks_mut(BLOCK).enumerate() {
             print(name, block * BLOCK, times_ns);
         }
