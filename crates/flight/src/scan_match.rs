@@ -59,8 +59,10 @@ const USUAL_AFTER: u32 = 5;
 /// At most this many line points are matched, evenly chosen; more add time and no certainty.
 const MOST_POINTS: usize = 200;
 
-/// A start at which fewer of them than this share match is not followed.
+/// A start at which fewer of them than this share match is not followed, nor one that does not lead to [`LEAST_MATCHED`] within
+/// so many steps: where the walls are those seen before, the first steps bring most of them together.
 const LEAST_AT_START: f64 = 0.15;
+const FIRST_STEPS: usize = 2;
 
 /// What noise of the normals makes of the curvature is taken off this many times.
 const NOISE_TIMES: f64 = 2.0;
@@ -229,21 +231,22 @@ impl ScanMatcher {
 
     /// The minimum of the sum near a prediction, and its value; infinite if the pose is lost, or leads to one that was `found`.
     fn align(&mut self, prediction: &Prediction, found: Option<&Isometry2<f64>>) -> (f64, Matched) {
-        let lost = (f64::INFINITY, prediction.lost());
+        let lost = |matched| (f64::INFINITY, Matched { matched, ..prediction.lost() });
         let all = self.matching.len() as f64;
         let mut pose = prediction.pose;
         let mut walls = self.walls_at(&pose);
-        if (walls.evidence.matched as f64) < LEAST_AT_START * all {
-            return lost;
-        }
-        for _ in 0..MAX_ITERATIONS {
+        for steps in 0..MAX_ITERATIONS {
+            let matched = walls.evidence.matched as f64 / all;
+            if (steps == 0 && matched < LEAST_AT_START) || (steps == FIRST_STEPS && matched < LEAST_MATCHED) {
+                return lost(matched);
+            }
             let off = difference(&pose, &prediction.pose);
             let prior = prediction.prior(walls.held);
-            let Some(factor) = (walls.evidence.information + prior).cholesky() else { return lost };
+            let Some(factor) = (walls.evidence.information + prior).cholesky() else { return lost(matched) };
             let step = factor.solve(&-(walls.evidence.gradient + prior * off));
             pose = stepped(&pose, &step);
             if found.is_some_and(|found| difference(&pose, found).amax() < FOUND) {
-                return lost;
+                return lost(matched);
             }
             walls = self.walls_at(&pose);
             if step.amax() < CONVERGED {
@@ -261,7 +264,7 @@ impl ScanMatcher {
             Some(covariance) if matched >= LEAST_MATCHED => {
                 (cost, Matched { pose, covariance, matched, surprise: 0.0, lost: false, held })
             }
-            _ => (f64::INFINITY, Matched { matched, ..lost.1 }),
+            _ => lost(matched),
         }
     }
 
