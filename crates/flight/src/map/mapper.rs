@@ -306,8 +306,8 @@ impl Mapper {
         // A flight may begin within its first node.
         let began_m = self.way.via.first().map_or(0.0, |(_, place_m)| (visit.anchor.inverse() * place_m).coords.norm());
         match self.last.take() {
-            // The vehicle never left: of this stay, neither the end before nor this beginning is in a way.
-            Some(last) if last.node == node && !last.is_settled => {
+            // The vehicle never left, or turned at once: of this stay, neither the end before nor this beginning is in a way.
+            Some(last) if last.node == node && (!last.is_settled || Self::only_turned(&last, visit, node)) => {
                 self.map.nodes[node].ways[last.way].taken = last.was_taken;
             }
             Some(last) => {
