@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry2, Point2};
 
-use crosscut_flight::{Here, HereKind, Look};
+use crosscut_flight::{Here, HereKind, Look, Mapper};
 use crosscut_stage::{Frame, wrap_angle_rad};
 
 use super::Navigator;
@@ -16,11 +16,21 @@ const START_WITHIN_M: f64 = 1.5;
 const START_EVERY_M: f64 = 0.7;
 
 /// At home, the walls in view lie on those of the start by this share. In the simulated mines it was 0.95 and more; 9 m and more
-/// away it was 0.84 or less in all but one of 5,000 scans.
+/// away it was 0.84 or less in all but one of 5,000 scans, and up to 0.93 in a straight passage.
 const LEAST_SHARE: f64 = 0.87;
 
-/// They are compared at every n-th revolution near home by the map.
+/// They are compared at every n-th revolution where the vehicle may be at home: within this many standard deviations of where
+/// it is by the map, and within this, m.
 const COMPARED_EVERY: u64 = 5;
+const DEVIATIONS: f64 = 3.0;
+const FARTHEST_M: f64 = 30.0;
+
+/// Farther away by the map than home may be, they lie so by this share this often, from places that are farther apart than this, m, and
+/// within this of each other, m.
+const SURE_SHARE: f64 = 0.96;
+const SEEN_HOME: usize = 4;
+const MOVED_M: f64 = 0.3;
+const SAME_HOME_M: f64 = 0.5;
 
 /// After this many revolutions there, what cannot be compared is home, and what does not look like it is not.
 const MOST_NEAR_HOME: u64 = 50;
@@ -77,28 +87,57 @@ impl Start {
 }
 
 impl Navigator {
-    /// Whether the vehicle flies home and is there: by the map, and by the walls in view, which lie as they did at the start. They
-    /// also show how far the map is off there.
-    pub(super) fn is_home(&mut self, frame: &Frame, seen: Option<&Here>, pose: &Isometry2<f64>) -> bool {
+    /// Whether the vehicle flies home and is there: by the walls in view, which lie as they did at the start. They also show how
+    /// far the map is off there.
+    pub(super) fn is_home(
+        &mut self,
+        frame: &Frame,
+        seen: Option<&Here>,
+        pose: &Isometry2<f64>,
+        mapper: &Mapper,
+    ) -> bool {
         self.start.add(frame, seen, pose);
-        let is_near = |correction: &Isometry2<f64>| (correction * pose).translation.vector.norm() < HOME_M;
-        if !self.goes_home || self.is_elsewhere || !is_near(&self.correction) {
+        if !self.goes_home || self.is_elsewhere {
             self.near_home = 0;
             return false;
         }
-        self.near_home += 1;
+        let off_m = |correction: &Isometry2<f64>| (correction * pose).translation.vector.norm();
+        let by_map_m = off_m(&self.correction);
+        self.near_home = if by_map_m < HOME_M { self.near_home + 1 } else { 0 };
         let is_all_around = frame.revolution.beams().is_none_or(|sweep| sweep.full_turn);
-        let again = match self.near_home % COMPARED_EVERY {
-            1 if is_all_around => self.start.look.seen_again(frame, &(self.correction * pose)),
-            _ => None,
-        };
-        if let Some(again) = again.filter(|again| again.share >= LEAST_SHARE) {
-            self.correction = again.pose * pose.inverse();
-            return is_near(&self.correction);
+        if is_all_around && (self.near_home == 1 || self.now % COMPARED_EVERY == 0) {
+            let reach_m = || HOME_M + DEVIATIONS * mapper.from_start_sd_m(pose).unwrap_or(0.0);
+            if by_map_m < FARTHEST_M && by_map_m < reach_m() && self.sees_home(frame, pose, by_map_m) {
+                return off_m(&self.correction) < HOME_M;
+            }
         }
         let is_over = self.near_home > MOST_NEAR_HOME;
         self.is_elsewhere = is_over && is_all_around;
         is_over && !is_all_around
+    }
+
+    /// Whether the walls in view lie on those of the start; the map is then corrected by them. Farther away by the map than home may
+    /// be, they must do so several times on the way, and show the same place: walls of a passage look much the same.
+    fn sees_home(&mut self, frame: &Frame, pose: &Isometry2<f64>, by_map_m: f64) -> bool {
+        let is_near = by_map_m < HOME_M;
+        let least_share = if is_near { LEAST_SHARE } else { SURE_SHARE };
+        let again = self.start.look.seen_again(frame, &(self.correction * pose));
+        let Some(again) = again.filter(|again| again.share >= least_share) else {
+            self.seen_home.clear();
+            return false;
+        };
+        let correction = again.pose * pose.inverse();
+        let is_same = |other: &(Isometry2<f64>, Point2<f64>)| {
+            (other.0 * pose).translation.vector.metric_distance(&again.pose.translation.vector) < SAME_HOME_M
+        };
+        let here_m = Point2::from(pose.translation.vector);
+        self.seen_home.retain(|other| is_same(other) && (other.1 - here_m).norm() > MOVED_M);
+        self.seen_home.push((correction, here_m));
+        let sees = is_near || self.seen_home.len() >= SEEN_HOME;
+        if sees {
+            self.correction = correction;
+        }
+        sees
     }
 
     /// Where home is, as tracked, once the vehicle flies there and free cells lead to it: home need not be a place.
@@ -161,10 +200,11 @@ mod tests {
         let start = in_room(0.0, 0.0, [2.0, 3.0]);
         for (there, is_home) in [(in_room(1.0, 0.5, [2.0, 3.0]), true), (in_room(1.0, 0.5, [6.0, 9.0]), false)] {
             let mut navigator = navigator();
-            navigator.is_home(&start, None, &Isometry2::identity());
+            let mapper = Mapper::default();
+            navigator.is_home(&start, None, &Isometry2::identity(), &mapper);
             navigator.goes_home = true;
             let pose = Isometry2::translation(0.4, 0.1); // it has drifted
-            let ends = (0..60).any(|_| navigator.is_home(&there, None, &pose));
+            let ends = (0..60).any(|_| navigator.is_home(&there, None, &pose, &mapper));
             assert_eq!((ends, navigator.is_elsewhere), (is_home, !is_home));
             let off_m = (navigator.correction * pose).translation.vector - nalgebra::Vector2::new(1.0, 0.5);
             assert!(!is_home || off_m.norm() < 0.1, "{off_m}: the map is corrected");

@@ -97,6 +97,8 @@ pub struct Navigator {
     start: Start,
     /// What looks like home by the map does not by what is seen: the map is wrong, until the next place.
     is_elsewhere: bool,
+    /// The corrections by which the walls in view lay on those of the start, and from where.
+    seen_home: Vec<(Isometry2<f64>, Point2<f64>)>,
     /// Revolutions near home on the way there.
     near_home: u64,
     now: u64,
@@ -130,6 +132,7 @@ impl Navigator {
             goes_home: false,
             start: Start::default(),
             is_elsewhere: false,
+            seen_home: Vec::new(),
             near_home: 0,
             now: 0,
             way_m: 0.0,
@@ -157,7 +160,7 @@ impl Navigator {
         self.trail.add(pose, mapper);
         self.follow_the_map(&pose, mapper);
         let steady = flown.steady_here();
-        if self.is_home(frame, flown.here.as_ref(), &pose) {
+        if self.is_home(frame, flown.here.as_ref(), &pose, mapper) {
             return self.rests("is home", Some(End::Home));
         }
         if let Some(home_m) = self.home_in_reach(here_m, &field) {
