@@ -42,6 +42,8 @@ pub struct Mapper {
     pub(super) flown: Vec<Flown>,
     /// What is kept of each node to recognise it.
     pub(super) places: Vec<Place>,
+    /// Standard deviation of the first visit as seen from where the flight began; `None` if that is not known.
+    first_sd_m: Option<f64>,
     /// Of each passage: the visit from which it was entered first, and places along it in the frame of that anchor.
     pub(super) courses: Vec<(usize, Vec<Point2<f64>>)>,
     pub(super) last: Option<Departure>,
@@ -62,10 +64,12 @@ pub struct Mapper {
 /// The flight between two visits.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Flown {
-    /// None for a place seen again; infinite between two stretches.
-    pub(super) way_m: f64,
+    /// Not so between two stretches.
+    pub(super) is_measured: bool,
     /// Standard deviation of where it led; `None` if that is not known.
     pub(super) sd_m: Option<f64>,
+    /// Variance of the heading there.
+    pub(super) heading_rad2: f64,
 }
 
 /// Where the vehicle is on the map.
@@ -204,6 +208,15 @@ impl Mapper {
         })
     }
 
+    /// Standard deviation of a pose as tracked now, as seen from where the flight began, by the best way over the places that
+    /// were visited since; `None` if that is not known.
+    pub fn from_start_sd_m(&self, tracked: &Isometry2<f64>) -> Option<f64> {
+        let place_m = Point2::from(tracked.translation.vector);
+        let Some(last) = &self.last else { return self.doubt.from_start_sd_m(place_m) };
+        let between_m = self.flown_to(last.visit).first()?.sd_m?;
+        Some(self.first_sd_m? + between_m + self.doubt.since(&last.doubt)?.sd_m(place_m)?)
+    }
+
     /// The visits up to now as a pose graph: their poses in the map's frame, and what was measured between them.
     pub fn pose_graph(&self) -> PoseGraph {
         self.ended().graph
@@ -259,18 +272,22 @@ impl Mapper {
         let walls = Arc::new(Walls::new(&visit.outline));
         let number = self.graph.poses.len();
         self.graph.poses.push(predicted);
+        if number == 0 {
+            self.first_sd_m = self.began_doubt.from_start_sd_m(Point2::from(visit.anchor.translation.vector));
+        }
         if let Some(last) = &self.last {
             let way_m = visit.reached_at_m - last.at_m;
             let measured = last.tracked.inv_mul(&visit.anchor);
             let information = information(0.1 + 0.03 * way_m.max(0.0), 0.02 + 0.001 * way_m.max(0.0));
             self.graph.edges.push(Edge { from: last.visit, to: number, measured, information });
-            self.flown.push(Flown { way_m: way_m.max(0.0), sd_m: self.flown_sd_m(last, &visit) });
+            let heading_rad2 = self.began_doubt.since(&last.doubt).map_or(0.0, |since| since.heading_rad2());
+            self.flown.push(Flown { is_measured: true, sd_m: self.flown_sd_m(last, &visit), heading_rad2 });
         } else if let Some(before) = number.checked_sub(1) {
             // Where the stretch lies is open, until one of its places is recognised.
             let measured = self.graph.poses[before].inv_mul(&predicted);
             let information = information(UNKNOWN_M, UNKNOWN_RAD);
             self.graph.edges.push(Edge { from: before, to: number, measured, information });
-            self.flown.push(Flown { way_m: f64::INFINITY, sd_m: None });
+            self.flown.push(Flown { is_measured: false, sd_m: None, heading_rad2: 0.0 });
         }
         // Of a new node, this is one stay: it is no rival of the place that both may be.
         let found = self.recognise(&visit, &walls, &predicted, stayed.filter(|&last| self.is_new(last)));
@@ -309,8 +326,8 @@ impl Mapper {
         // A flight may begin within its first node.
         let began_m = self.way.via.first().map_or(0.0, |(_, place_m)| (visit.anchor.inverse() * place_m).coords.norm());
         match self.last.take() {
-            // The vehicle never left: of this stay, neither the end before nor this beginning is in a way.
-            Some(last) if last.node == node && !last.is_settled => {
+            // The vehicle never left, or turned at once: of this stay, neither the end before nor this beginning is in a way.
+            Some(last) if last.node == node && (!last.is_settled || Self::only_turned(&last, visit, node)) => {
                 self.map.nodes[node].ways[last.way].taken = last.was_taken;
             }
             Some(last) => {
