@@ -18,7 +18,7 @@ use crate::Motion;
 const COMPARED_M: f64 = 3.0;
 
 /// They contradict each other if they end up farther apart than this share of that.
-const APART_SHARE: f64 = 0.3;
+const APART_SHARE: f64 = 0.2;
 
 /// The error of the odometry is what was set until this many comparisons were made.
 const FIRST_COMPARISONS: f64 = 2.0;

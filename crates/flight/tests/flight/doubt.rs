@@ -1,5 +1,6 @@
 //! What the pose knows of its own doubt, on plans that are flown here.
 
+use std::cell::Cell;
 use std::collections::BTreeSet;
 
 use crosscut_detector::{Preset, Settings};
@@ -89,7 +90,7 @@ fn exact_odometry_is_never_doubted() {
 /// The wheels spin for a second or two while the vehicle moves on: at 200 revolutions the odometry gains 1.5 m.
 #[test]
 fn wheels_that_slip_are_noted_with_both_figures() {
-    let gained = std::cell::Cell::new(0);
+    let gained = Cell::new(0);
     let seen = follow(tunnel(0.1).take(300), |pose| {
         gained.set(gained.get() + 1);
         let slipped_m = 0.1 * f64::from((gained.get() - 200).clamp(0, 15));
@@ -97,6 +98,25 @@ fn wheels_that_slip_are_noted_with_both_figures() {
     });
     assert!(seen.has_note("a slip or a jump: the odometry moved by"), "{:?}", seen.notes);
     assert!(seen.off_m() < 0.75, "{} m off", seen.off_m());
+}
+
+/// The wheels turn too fast, or slide, for ten metres: too little from scan to scan to be a jump.
+#[test]
+fn wheels_that_slip_for_metres_are_not_believed() {
+    for times in [1.3, 0.7] {
+        let state = Cell::new((None, Isometry2::identity(), 0.0));
+        let seen = follow(tunnel(0.1).take(220), |pose| {
+            let (before, odometry, way_m) = state.get();
+            let step = before.map_or(Isometry2::identity(), |before: Isometry2<f64>| before.inv_mul(pose));
+            let slips = (15.0..25.0).contains(&way_m);
+            let moved_m = step.translation.vector * if slips { times } else { 1.0 };
+            let odometry = odometry * Isometry2::new(moved_m, step.rotation.angle());
+            state.set((Some(*pose), odometry, way_m + step.translation.vector.norm()));
+            Some(odometry)
+        });
+        let is_noted = seen.has_note("the odometry is not believed") && seen.has_note("the odometry is believed again");
+        assert!(is_noted && seen.off_m() < 0.5, "{times}: {} m off, {:?}", seen.off_m(), seen.notes);
+    }
 }
 
 #[test]
