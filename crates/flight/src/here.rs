@@ -1,7 +1,8 @@
 //! The place that the vehicle is in, and which of the openings in view belong to it.
 //!
 //! From a passage the next junction is often in view: its openings are no ways of the passage. The place here is the free
-//! space within the look, a circle of 1.5 local widths (`look_widths`) around the sensor:
+//! space within the look, a circle around the sensor of half a local width and one width of the passages (`look_widths`: 1.5
+//! in all), the widest opening in view:
 //!
 //! ```text
 //!      ______|    |______         o  sensor
@@ -34,7 +35,7 @@ use crate::{Here, HereKind, Way};
 const LOOK_WIDTHS: Number = Number::new("look_widths", "widths", 1.5)
     .from(0.6)
     .to(10.0)
-    .doc("the place is what lies this many local widths around; a shorter look misses mouths, a longer one sees the next junction");
+    .doc("the place is what lies this many widths around: half the local width, the rest of the widest opening if that is narrower; a shorter look misses mouths, a longer one sees the next junction");
 
 const LEAST_LOOK_M: Number = Number::new("least_look_m", "m", 1.5)
     .above(0.0)
@@ -133,7 +134,10 @@ impl Places {
             outline.look_back(sweep.step_rad, |bearing_rad| self.surroundings.ray(&tracked.pose, bearing_rad, reach_m));
         }
         let width_m = outline.local_width_m();
-        let wanted_m = (self.look_widths * width_m).max(self.least_look_m);
+        // In a wide place the ways are as wide as its openings: a look of its own width would see a short one end.
+        let opening_m = junction.openings.iter().map(|opening| opening.width_m).max_by(f64::total_cmp);
+        let passage_m = opening_m.map_or(width_m, |opening_m| opening_m.min(width_m));
+        let wanted_m = (0.5 * width_m + (self.look_widths - 0.5) * passage_m).max(self.least_look_m);
         let look_m = wanted_m.min(farthest_look_m);
         let [place, shorter, longer] =
             LOOKS.map(|times| outline.place(times * look_m, width_m, self.vehicle_width_m, &junction.openings));

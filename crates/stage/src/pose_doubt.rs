@@ -76,6 +76,11 @@ impl PoseDoubt {
         (self.guessed_m <= GUESSED_M).then(|| self.independent_m2 + lasting + guessed + by_turns)
     }
 
+    /// Variance of the heading, rad².
+    pub fn heading_rad2(&self) -> f64 {
+        self.turn_rad2
+    }
+
     /// As [`PoseDoubt::sd_m`], from the first pose of the flight; `None` in later stretches.
     pub fn from_start_sd_m(&self, end: Point2<f64>) -> Option<f64> {
         self.sd_m(end).filter(|_| self.stretch == 0)

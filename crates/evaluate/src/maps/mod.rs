@@ -6,7 +6,8 @@
 //! the dead end is a *bay*: the three looks of `here` differ. A junction of two ways and a bay may be on the map or not, and one
 //! of more ways with the bay or without; either is right. A visit of the
 //! map belongs to the place that is nearest in its middle, if that is within 1.6 widths. A place was *flown through* if
-//! the vehicle came within 0.4 widths; the place in which a flight begins is not, as half of it was never flown.
+//! the vehicle came within 0.4 widths, of a dead end within one, as it turns back before the face; the place in which a flight
+//! begins is not, as half of it was never flown.
 //!
 //! - **Nodes**: those of the map and the places flown through are matched one to one, so that the time at which both are
 //!   visited (within a width) is longest. Precision, recall and F1 count pairs with such a time.
@@ -36,7 +37,7 @@ use crate::assignment::best_matching;
 pub use baselines::{Counts, Stay, every_change, within_radius};
 pub use truth::{MapTruth, TruePassage, TruePlace, WhereAt};
 
-/// Widths within which a place is visited, was flown through, and a visit of the map belongs to it.
+/// Widths within which a place is visited, a junction was flown through, and a visit of the map belongs to it.
 const VISITED: f64 = 1.0;
 const THROUGH: f64 = 0.4;
 const BELONGS: f64 = 1.6;

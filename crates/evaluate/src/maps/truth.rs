@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{BELONGS, THROUGH, VISITED, ordered};
 
-/// The look at a place, 1.5 local widths, and the twentieth by which a way leads farther.
+/// The look at a place, 1.5 widths, and the twentieth by which a way leads farther.
 const POCKET_WIDTHS: f64 = 1.5 * 1.05;
 
 /// The shortest and the longest of the three looks that a place is judged in, of that.
@@ -209,17 +209,23 @@ impl MapTruth {
         self.nearest(at).filter(|(_, off)| *off < widths).map(|(place, _)| place)
     }
 
+    /// The place that is flown through here. A vehicle turns back before the face of a dead end.
+    fn through(&self, at: &WhereAt) -> Option<usize> {
+        let within = |place: usize| if self.places[place].ways == 1 { VISITED } else { THROUGH };
+        self.nearest(at).filter(|(place, off)| *off < within(*place)).map(|(place, _)| place)
+    }
+
     /// The places flown through, in order, without the one in which the flight begins, each with the way from the one before.
     fn route(&self) -> Vec<(usize, f64)> {
-        let began_in = self.at.first().and_then(|at| self.within(at, THROUGH));
-        let after = self.at.iter().skip_while(|at| began_in.is_some() && self.within(at, THROUGH) == began_in);
+        let began_in = self.at.first().and_then(|at| self.through(at));
+        let after = self.at.iter().skip_while(|at| began_in.is_some() && self.through(at) == began_in);
         let (mut route, mut way_m, mut before) = (Vec::<(usize, f64)>::new(), 0.0, None::<[f64; 2]>);
         for at in after {
             let [x_m, y_m] = at.position_m;
             way_m += before
                 .replace(at.position_m)
                 .map_or(0.0, |[from_x_m, from_y_m]| (x_m - from_x_m).hypot(y_m - from_y_m));
-            match self.within(at, THROUGH) {
+            match self.through(at) {
                 Some(place) if route.last().is_none_or(|(last, _)| *last != place) => {
                     route.push((place, std::mem::take(&mut way_m)));
                 }

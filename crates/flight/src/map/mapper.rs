@@ -63,10 +63,10 @@ pub struct Mapper {
 /// The flight between two visits.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Flown {
-    /// None for a place seen again; infinite between two stretches.
-    pub(super) way_m: f64,
     /// Standard deviation of where it led; `None` if that is not known.
     pub(super) sd_m: Option<f64>,
+    /// Variance of the heading there.
+    pub(super) heading_rad2: f64,
 }
 
 /// Where the vehicle is on the map.
@@ -275,13 +275,14 @@ impl Mapper {
             let measured = last.tracked.inv_mul(&visit.anchor);
             let information = information(0.1 + 0.03 * way_m.max(0.0), 0.02 + 0.001 * way_m.max(0.0));
             self.graph.edges.push(Edge { from: last.visit, to: number, measured, information });
-            self.flown.push(Flown { way_m: way_m.max(0.0), sd_m: self.flown_sd_m(last, &visit) });
+            let heading_rad2 = self.began_doubt.since(&last.doubt).map_or(0.0, |since| since.heading_rad2());
+            self.flown.push(Flown { sd_m: self.flown_sd_m(last, &visit), heading_rad2 });
         } else if let Some(before) = number.checked_sub(1) {
             // Where the stretch lies is open, until one of its places is recognised.
             let measured = self.graph.poses[before].inv_mul(&predicted);
             let information = information(UNKNOWN_M, UNKNOWN_RAD);
             self.graph.edges.push(Edge { from: before, to: number, measured, information });
-            self.flown.push(Flown { way_m: f64::INFINITY, sd_m: None });
+            self.flown.push(Flown { sd_m: None, heading_rad2: 0.0 });
         }
         // Of a new node, this is one stay: it is no rival of the place that both may be.
         let found = self.recognise(&visit, &walls, &predicted, stayed.filter(|&last| self.is_new(last)));

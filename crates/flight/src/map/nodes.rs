@@ -64,7 +64,7 @@ impl Mapper {
     /// Corrects all poses: visit `to` was where `fit` says, as seen from visit `from`.
     fn correct(&mut self, from: usize, to: usize, fit: &Fit) {
         self.graph.edges.push(Edge { from, to, measured: fit.pose, information: information(0.1, 0.02) });
-        self.flown.push(Flown { way_m: 0.0, sd_m: Some(0.0) });
+        self.flown.push(Flown { sd_m: Some(0.0), heading_rad2: 0.0 });
         // Every pose is joined to the one before, so that the edges determine all of them.
         self.graph.solve().ok();
         self.place_nodes();

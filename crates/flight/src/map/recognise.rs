@@ -11,6 +11,7 @@ use super::mapper::Flown;
 use super::outline::{Fit, Walls};
 use super::visit::Visit;
 use super::{Mapper, Refusal};
+use crate::HereKind;
 
 /// Anchors of one place lie within this of each other, and within this many looks; within this many standard deviations of
 /// the pose more. Those of all that was flown since the place add up, as a heading that is off is so for all that follows.
@@ -18,9 +19,8 @@ const ANCHORS_M: f64 = 2.5;
 const ANCHORS_LOOKS: f64 = 0.75;
 const DEVIATIONS: f64 = 3.0;
 
-/// Headings are known to within this, and by this much less for each metre of the way since.
-const DRIFT_RAD: f64 = 0.15;
-const DRIFT_RAD_PER_M: f64 = 0.003;
+/// Headings are known to within this, and within [`DEVIATIONS`] of the pose more.
+const HEADING_RAD: f64 = 0.15;
 
 /// The directions of the ways of one place agree to within this.
 const WAYS_APART_RAD: f64 = 0.6;
@@ -82,7 +82,7 @@ impl Mapper {
             if self.map.nodes[node].kind != visit.kind || Some(node) == but {
                 continue;
             }
-            let Flown { way_m: since_m, sd_m } = flown[place.first_visit];
+            let Flown { sd_m, heading_rad2 } = flown[place.first_visit];
             let apart = self.graph.poses[place.first_visit].inv_mul(predicted);
             let Some(sd_m) = sd_m else {
                 let turns = (0..visit.ways.len()).filter_map(|shift| turn_rad(visit, &place.ways_rad, shift));
@@ -95,13 +95,19 @@ impl Mapper {
             if apart.translation.vector.norm() > anchors_m + DEVIATIONS * sd_m {
                 continue;
             }
-            let yaw_off_rad = (DRIFT_RAD + DRIFT_RAD_PER_M * since_m).min(PI);
-            // A way may have been missed on one of the visits: then the walls alone tell.
+            let yaw_off_rad = (HEADING_RAD + DEVIATIONS * heading_rad2.sqrt()).min(PI);
+            // A way may have been missed on one of the visits: then the walls alone tell. A dead end has but one.
             let predicted_rad = apart.rotation.angle();
-            let is_likely = |yaw_rad: &f64| wrap_angle_rad(yaw_rad - predicted_rad).abs() <= yaw_off_rad;
-            let turns = (0..visit.ways.len()).filter_map(|shift| turn_rad(visit, &place.ways_rad, shift));
-            for yaw_rad in turns.filter(is_likely).chain([predicted_rad]) {
-                candidates.extend(place.walls.fit(walls, yaw_rad).map(|fit| Candidate { node, fit }));
+            let off_rad = |yaw_rad: f64| wrap_angle_rad(yaw_rad - predicted_rad).abs();
+            let is_likely = |yaw_rad: &f64| off_rad(*yaw_rad) <= yaw_off_rad;
+            let turns = || (0..visit.ways.len()).filter_map(|shift| turn_rad(visit, &place.ways_rad, shift));
+            let is_turned = |turn_rad: f64| off_rad(turn_rad) > yaw_off_rad + WAYS_APART_RAD;
+            if visit.kind == HereKind::DeadEnd && turns().all(is_turned) {
+                continue;
+            }
+            for yaw_rad in turns().filter(is_likely).chain([predicted_rad]) {
+                let fit = place.walls.fit(walls, yaw_rad).filter(|fit| is_likely(&fit.pose.rotation.angle()));
+                candidates.extend(fit.map(|fit| Candidate { node, fit }));
             }
         }
         guesses.retain(|guess| guess.fit.share >= GUESSED_SHARE);
@@ -110,23 +116,23 @@ impl Mapper {
 
     /// The best known way from each visit to one of them, over edges of the graph; infinite where there is none that is known.
     pub(super) fn flown_to(&self, visit: usize) -> Vec<Flown> {
-        let unknown = Flown { way_m: f64::INFINITY, sd_m: None };
+        let unknown = Flown { sd_m: None, heading_rad2: 0.0 };
         let mut flown = vec![unknown; self.graph.poses.len()];
         let mut joined: Vec<Vec<(usize, f64, f64)>> = vec![Vec::new(); flown.len()];
         for (edge, of) in self.graph.edges.iter().zip(&self.flown) {
             if let Some(sd_m) = of.sd_m {
-                joined[edge.from].push((edge.to, of.way_m, sd_m));
-                joined[edge.to].push((edge.from, of.way_m, sd_m));
+                joined[edge.from].push((edge.to, sd_m, of.heading_rad2));
+                joined[edge.to].push((edge.from, sd_m, of.heading_rad2));
             }
         }
-        flown[visit] = Flown { way_m: 0.0, sd_m: Some(0.0) };
+        flown[visit] = Flown { sd_m: Some(0.0), heading_rad2: 0.0 };
         // Bellman and Ford's queue: few visits have more than two edges.
         let mut changed = VecDeque::from([visit]);
         while let Some(at) = changed.pop_front() {
-            let Flown { way_m, sd_m: Some(sd_m) } = flown[at] else { continue };
-            for &(to, more_m, more_sd_m) in &joined[at] {
-                if flown[to].sd_m.is_none_or(|known_m| sd_m + more_sd_m < known_m) {
-                    flown[to] = Flown { way_m: way_m + more_m, sd_m: Some(sd_m + more_sd_m) };
+            let Flown { sd_m: Some(sd_m), heading_rad2 } = flown[at] else { continue };
+            for &(to, more_m, more_rad2) in &joined[at] {
+                if flown[to].sd_m.is_none_or(|known_m| sd_m + more_m < known_m) {
+                    flown[to] = Flown { sd_m: Some(sd_m + more_m), heading_rad2: heading_rad2 + more_rad2 };
                     changed.push_back(to);
                 }
             }
@@ -230,4 +236,72 @@ fn turn_rad(visit: &Visit, ways_rad: &[f64], shift: usize) -> Option<f64> {
     let mean_rad = first_rad + (0..ways).map(|i| wrap_angle_rad(off_rad(i) - first_rad)).sum::<f64>() / ways as f64;
     let agree = (0..ways).all(|i| wrap_angle_rad(off_rad(i) - mean_rad).abs() <= WAYS_APART_RAD);
     agree.then(|| wrap_angle_rad(mean_rad))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+    use std::sync::Arc;
+
+    use nalgebra::{Unit, Vector2};
+
+    use super::*;
+    use crate::Way;
+    use crate::line_points::LinePoint;
+    use crate::map::mapper::Place;
+    use crate::map::{Node, NodeWay};
+
+    /// Line points of a dead end that is 5 m wide, open towards -x or +x (`side`: -1 or 1), every 0.1 m.
+    fn dead_end(side: f64) -> Vec<LinePoint> {
+        let point = |x_m: f64, y_m: f64, normal: Vector2<f64>| LinePoint {
+            position_m: Point2::new(x_m, y_m),
+            normal: Unit::new_normalize(normal),
+            tilt_rad2: 0.0,
+        };
+        let along = (-40..90).map(|at| 0.1 * f64::from(at) * side);
+        let sides = along.flat_map(|x_m| [-2.5, 2.5].map(|y_m| point(x_m, y_m, Vector2::y())));
+        let face = (-25..25).map(|at| point(-4.0 * side, 0.1 * f64::from(at), Vector2::x()));
+        sides.chain(face).collect()
+    }
+
+    fn way_rad(side: f64) -> f64 {
+        if side > 0.0 { 0.0 } else { PI }
+    }
+
+    #[test]
+    fn a_dead_end_that_opens_the_other_way_is_another_one() {
+        for (side, is_same) in [(-1.0, true), (1.0, false)] {
+            let mut mapper = Mapper::default();
+            mapper.graph.poses = vec![Isometry2::identity()];
+            let way = NodeWay { bearing_rad: way_rad(-1.0), width_m: 5.0, taken: true, passage: None };
+            mapper.map.nodes = vec![Node {
+                kind: HereKind::DeadEnd,
+                position_m: Point2::origin(),
+                ways: vec![way],
+                visits: vec![[0, 1]],
+            }];
+            let (walls, ways_rad) = (Arc::new(Walls::new(&dead_end(-1.0))), vec![way_rad(-1.0)]);
+            mapper.places = vec![Place { walls, ways_rad, first_visit: 0, belief: BTreeMap::new() }];
+            let outline = dead_end(side);
+            let walls = Walls::new(&outline);
+            let visit = Visit {
+                kind: HereKind::DeadEnd,
+                has_middle: true,
+                time_ns: [2, 3],
+                anchor: Isometry2::identity(),
+                ways: vec![Way { bearing_rad: way_rad(side), width_m: 5.0, opening: None }],
+                look_m: 7.5,
+                outline,
+                reached_at_m: 300.0,
+                left_at_m: 300.0,
+                belief: 8.0,
+                came_from: Point2::origin(),
+                left_to: Point2::origin(),
+            };
+            let alike = mapper.places[0].walls.fit(&walls, 0.0).expect("both have walls").share;
+            assert!(alike > LEAST_SHARE, "the walls beside them are alike: {alike}");
+            let found = mapper.recognise(&visit, &walls, &Isometry2::identity(), None);
+            assert_eq!(found.is_some(), is_same, "open towards {side} x");
+        }
+    }
 }
