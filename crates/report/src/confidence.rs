@@ -33,7 +33,7 @@ const MOST_ISLAND: f64 = 3.0;
 /// The margin is limited to this.
 const MARGIN_DECADES: f64 = 1.0;
 /// β.
-pub const BETA: [f64; Grounds::INPUTS] = [-1.26, 0.56, 0.31, -0.38, 2.11, -0.35, 1.11];
+pub const BETA: [f64; Grounds::INPUTS] = [-1.27, 0.56, 0.31, -0.38, 2.12, -0.34, 1.12];
 
 /// Returns up to this far apart, 90 a turn with room for rounding, show walls as lines; fewer do not.
 pub(crate) const COARSE_RAD: f64 = TAU / 89.5;

@@ -46,7 +46,7 @@ pub(crate) fn left_out_of_folders(left_out: &[PathBuf]) -> Option<String> {
 }
 
 /// Refuses a span of time that ends before it begins.
-fn refuse_empty_span(from_s: Option<f64>, to_s: Option<f64>) -> Result<(), UsageError> {
+pub(crate) fn refuse_empty_span(from_s: Option<f64>, to_s: Option<f64>) -> Result<(), UsageError> {
     match (from_s, to_s) {
         (Some(from), Some(to)) if from > to => Err(UsageError(format!("--from {from} is after --to {to}"))),
         _ => Ok(()),

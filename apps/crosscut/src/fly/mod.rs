@@ -17,6 +17,8 @@ use crosscut_stage::{Failure, FailureCause, Frame, Notes, Observer, Revolution, 
 use indicatif::ProgressBar;
 
 pub(crate) use self::flight::Flight;
+#[cfg(feature = "rerun")]
+pub(crate) use self::inputs::refuse_empty_span;
 pub(crate) use self::inputs::{each_of, files_read, files_to_come, left_out_of_folders};
 pub(crate) use self::judge::{Judge, Judged, TruthAt};
 use crate::diagnostics::Diagnostics;

@@ -400,3 +400,60 @@ pub(super) fn information(deviation_m: f64, deviation_rad: f64) -> Matrix3<f64> 
     let of = |deviation: f64| 1.0 / (deviation * deviation);
     Matrix3::from_diagonal(&Vector3::new(of(deviation_m), of(deviation_m), of(deviation_rad)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::map::{Node, NodeWay};
+
+    /// Whether the way ahead of a junction counts as taken: the vehicle left by it, and was in the junction again this much of the
+    /// way later.
+    fn is_taken_after(way_m: f64) -> bool {
+        let ways_rad = vec![0.0, 1.6, 3.1];
+        let way = |&bearing_rad: &f64| NodeWay { bearing_rad, width_m: 4.0, taken: bearing_rad == 0.0, passage: None };
+        let ways = ways_rad.iter().map(way).collect();
+        let (position_m, tracked) = (Point2::origin(), Isometry2::identity());
+        let mut mapper = Mapper::default();
+        mapper.map.nodes = vec![Node { kind: HereKind::Junction, position_m, ways, visits: vec![[0, 1], [2, 3]] }];
+        let (walls, belief) = (Arc::new(Walls::new(&[])), BTreeMap::new());
+        mapper.places = vec![Place { walls, ways_rad: ways_rad.clone(), first_visit: 0, belief }];
+        mapper.graph.poses = vec![tracked; 2];
+        mapper.last = Some(Departure {
+            node: 0,
+            way: 0,
+            was_taken: false,
+            is_settled: true,
+            has_middle: false,
+            visit: 0,
+            look_m: 5.0,
+            tracked,
+            at_m: 10.0,
+            left_ns: 1,
+            doubt: PoseDoubt::default(),
+            mouths_m: Vec::new(),
+        });
+        let seen = |bearing_rad| crate::Way { bearing_rad, width_m: 4.0, opening: None };
+        let visit = Visit {
+            kind: HereKind::Junction,
+            has_middle: false,
+            time_ns: [2, 3],
+            anchor: tracked,
+            ways: ways_rad.into_iter().map(seen).collect(),
+            look_m: 5.0,
+            outline: Vec::new(),
+            reached_at_m: 10.0 + way_m,
+            left_at_m: 10.0 + way_m,
+            belief: 10.0,
+            came_from: Point2::new(-3.0, 0.0),
+            left_to: Point2::new(0.0, 3.0),
+        };
+        mapper.connect(&visit, 0, 0.0, 1, true);
+        mapper.map.nodes[0].ways[0].taken
+    }
+
+    #[test]
+    fn a_way_is_not_taken_by_turning_at_once() {
+        assert!(!is_taken_after(6.0));
+        assert!(is_taken_after(40.0));
+    }
+}

@@ -105,7 +105,7 @@ impl Navigator {
         let by_map_m = off_m(&self.correction);
         self.near_home = if by_map_m < HOME_M { self.near_home + 1 } else { 0 };
         let is_all_around = frame.revolution.beams().is_none_or(|sweep| sweep.full_turn);
-        if is_all_around && (self.near_home == 1 || self.now % COMPARED_EVERY == 0) {
+        if is_all_around && (self.near_home == 1 || self.now.is_multiple_of(COMPARED_EVERY)) {
             let reach_m = || HOME_M + DEVIATIONS * mapper.from_start_sd_m(pose).unwrap_or(0.0);
             if by_map_m < FARTHEST_M && by_map_m < reach_m() && self.sees_home(frame, pose, by_map_m) {
                 return off_m(&self.correction) < HOME_M;
