@@ -8,7 +8,7 @@ use nalgebra::{Isometry2, Point2};
 use crosscut_stage::wrap_angle_rad;
 
 use super::mapper::Flown;
-use super::outline::{Fit, Walls};
+use super::outline::{APART_M, Fit, Walls};
 use super::visit::Visit;
 use super::{Mapper, Refusal};
 use crate::HereKind;
@@ -86,15 +86,16 @@ impl Mapper {
             let apart = self.graph.poses[place.first_visit].inv_mul(predicted);
             let Some(sd_m) = sd_m else {
                 let turns = (0..visit.ways.len()).filter_map(|shift| turn_rad(visit, &place.ways_rad, shift));
-                guesses.extend(
-                    turns.filter_map(|yaw_rad| Some(Candidate { node, fit: place.walls.fit(walls, yaw_rad)? })),
-                );
+                let fits = turns.filter_map(|yaw_rad| place.walls.fit(walls, &Isometry2::rotation(yaw_rad)));
+                guesses.extend(fits.map(|fit| Candidate { node, fit }));
                 continue;
             };
             let anchors_m = ANCHORS_M.max(ANCHORS_LOOKS * visit.look_m);
             if apart.translation.vector.norm() > anchors_m + DEVIATIONS * sd_m {
                 continue;
             }
+            // A fit reaches no farther than `APART_M`: all of `anchors_m` on the side where the pose takes the anchor to be.
+            let about_m = apart.translation.vector.cap_magnitude((anchors_m - APART_M).max(0.0));
             let yaw_off_rad = (HEADING_RAD + DEVIATIONS * heading_rad2.sqrt()).min(PI);
             // A way may have been missed on one of the visits: then the walls alone tell. A dead end has but one.
             let predicted_rad = apart.rotation.angle();
@@ -106,7 +107,8 @@ impl Mapper {
                 continue;
             }
             for yaw_rad in turns().filter(is_likely).chain([predicted_rad]) {
-                let fit = place.walls.fit(walls, yaw_rad).filter(|fit| is_likely(&fit.pose.rotation.angle()));
+                let fit = place.walls.fit(walls, &Isometry2::new(about_m, yaw_rad));
+                let fit = fit.filter(|fit| is_likely(&fit.pose.rotation.angle()));
                 candidates.extend(fit.map(|fit| Candidate { node, fit }));
             }
         }
@@ -298,7 +300,7 @@ mod tests {
                 came_from: Point2::origin(),
                 left_to: Point2::origin(),
             };
-            let alike = mapper.places[0].walls.fit(&walls, 0.0).expect("both have walls").share;
+            let alike = mapper.places[0].walls.fit(&walls, &Isometry2::identity()).expect("both have walls").share;
             assert!(alike > LEAST_SHARE, "the walls beside them are alike: {alike}");
             let found = mapper.recognise(&visit, &walls, &Isometry2::identity(), None);
             assert_eq!(found.is_some(), is_same, "open towards {side} x");
