@@ -11,8 +11,9 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 MADE, JSON, PAGE = ROOT / "target/docs", ROOT / "docs/results.json", ROOT / "docs/results.md"
-METHODS = ["default", "paper", "threshold", "breakpoint", "dbscan"]
-EVALUATE = "--with paper --with default --with threshold --with breakpoint --with dbscan"
+METHODS = ["default", "paper", "clear_width", "threshold", "breakpoint", "dbscan"]
+EVALUATE = "--with paper --with default --with clear_width --with threshold --with breakpoint --with dbscan"
+OF_EFFECTS = ["paper", "clear_width", "default"]
 # The scans that are reported as "a revolution": dense720 has twice as many beams.
 OTHER_BEAMS = "dense720"
 
@@ -144,7 +145,7 @@ SECTIONS: dict[str, tuple[str, list[str], str, Callable]] = {
         "What real lidars do",
         [
             "tests/foreign/run places target/places/effects --count 60 --seed 303 --effects",
-            "crosscut evaluate target/places/effects --with paper --with default",
+            "crosscut evaluate target/places/effects --with paper --with clear_width --with default",
         ],
         "effects.json",
         evaluation,
@@ -200,7 +201,7 @@ def page(results: dict) -> str:
     for name in ("simulated", "places"):
         section = results[name]
         rows = [
-            [family, *(right[method] for method in METHODS), "{} to {}".format(*section["interval"][family]["default"])]
+            [family, *(right.get(method) for method in METHODS), "{} to {}".format(*section["interval"][family]["default"])]
             for family, right in section["right"].items()
         ]
         text = f"Right answers, %, of {section['revolutions']:,} revolutions. The last column is the 95 % interval of `default`."
@@ -215,7 +216,7 @@ def page(results: dict) -> str:
         "auroc": "AUROC",
     }
     rows = [
-        [name, method, *(results[name][measure]["all"][method] for measure in measures)]
+        [name, method, *(results[name][measure]["all"].get(method) for measure in measures)]
         for name in ("simulated", "places")
         for method in METHODS
     ]
@@ -223,9 +224,9 @@ def page(results: dict) -> str:
     parts.append(f"\n## Labels, openings, confidence\n\n{text}\n\n" + table(["scenes", "method", *measures.values()], rows))
 
     effects = results["effects"]
-    rows = [[effect, right["paper"], right["default"]] for effect, right in effects["right"].items()]
+    rows = [[effect, *(right.get(method) for method in OF_EFFECTS)] for effect, right in effects["right"].items()]
     text = f"Right answers, %, of {effects['revolutions'] // (len(rows) - 1)} places for each effect."
-    parts.append(headed(effects, text, table(["effect", "paper", "default"], rows)))
+    parts.append(headed(effects, text, table(["effect", *OF_EFFECTS], rows)))
     mixed = results["mixture"]
     keys = ["right", "sure", "sure_right", "auroc", "missed", "false"]
     header = ["right", "sure", "right of the sure", "AUROC", "openings missed", "openings false"]

@@ -1,5 +1,6 @@
 //! Input: MCAP files in every form, damaged files, and files of other formats.
 
+use std::ffi::OsStr;
 use std::path::Path;
 
 use crosscut_messages::Endian;
@@ -394,13 +395,22 @@ fn info_describes_the_first_scan_of_the_selected_frame() {
 #[test]
 fn recordings_of_another_kind_in_a_folder_are_noted() {
     let folder = folder();
+    let others = self::folder();
     for name in ["a.mcap", "b.bag"] {
         std::fs::copy(crate::program::shipped_flight(), folder.path().join(name)).expect("writable");
     }
-    let ran = run(["run".as_ref(), folder.path().as_os_str()]).expect_code(0);
-    assert!(ran.stderr.contains("left out 1 recording of another kind; name one to run it: "), "{}", ran.stderr);
-    let said = run(["info".as_ref(), folder.path().as_os_str()]).expect_code(0).stderr;
-    assert!(said.contains("b.bag is of another kind"), "{said}");
+    let [out, converted] = ["out", "out.mcap"].map(|name| others.path().join(name));
+    let commands: [&[&OsStr]; 5] = [
+        &["run".as_ref()],
+        &["info".as_ref()],
+        &["evaluate".as_ref()],
+        &["sweep".as_ref(), "--grid".as_ref(), "vehicle.width_m=0.6".as_ref(), "--out".as_ref(), out.as_os_str()],
+        &["convert".as_ref(), "--out".as_ref(), converted.as_os_str()],
+    ];
+    for command in commands {
+        let said = run(command.iter().copied().chain([folder.path().as_os_str()])).expect_code(0).stderr;
+        assert!(said.contains("left out 1 recording of another kind; name one to run it: "), "{command:?}: {said}");
+    }
 }
 
 #[test]

@@ -6,8 +6,9 @@ How truth is computed: rays, ten to a beam of 1°, make the polygon that is seen
 vehicle's disc can be are the free space eroded by its radius; those outside of the seen polygon fall into pieces, the
 hidden ways. A *gap* lies between one ray that hits and the next that does, with the rays between them that hit nothing
 in range. A gap is an opening if a hidden way that reaches further than 3 m beyond it touches the edge of the seen
-polygon there. What is hit between two openings is a wall, whatever bumps and jumps it has. A hole of the free space
-that is smaller than `POST_M` is a post; it is an island if no opening is at its sides.
+polygon there. What is hit between two openings is a wall, whatever bumps and jumps it has. Openings on both sides of what
+is seen through a door are one way, through the door. A hole of the free space that is smaller than `POST_M` is a post; it
+is an island if no opening is at its sides.
 
 Left out, as one view cannot tell (`Unclear`):
 - hidden ways that reach to between 0.5 and 5 m beyond their gap, and shorter ones beyond a gap of 1.5 m or more, where
@@ -35,6 +36,8 @@ LEAST_WALL_M = 0.5
 VIEW_MARGIN_RAD = np.radians(5)
 RAY_STEP_RAD = np.radians(0.1)
 BEYOND_RANGE_M = 9.0  # what lies further beyond the range plays no part
+DOOR_M = 2.4  # a wider mouth is no door
+JAMB_M, JAMB_COS = 1.5, 0.8  # over so much of the wall beside a door, its direction is no farther off that of the door
 BRANCH_AT_M = 8.0  # where bearing and width of an opening are taken, if it is seen that far
 
 NO_RETURN, NO_WALL = -1, -2
@@ -125,7 +128,10 @@ def look(free: Polygon, beams: Beams) -> View:
     check_walls_between(piece, rays.ends_m()[hits], opening_hits, rays.full_turn)
     group = np.where(on_post, len(hits) + rays.ring[hits], piece)
     labels, islands = beam_labels(rays, hits, group, on_post)
-    openings = [described(free, rays, hit, opening_hits) for hit in opening_hits]
+    doors = doors_of(rays, opening_hits)
+    inside = {hit for _, through in doors for hit in through}
+    openings = [described(free, rays, hit, opening_hits) for hit in opening_hits if hit not in inside]
+    openings += [described_at(*clearest(free, along(door))) for door, _ in doors]
     openings.sort(key=lambda opening: opening["bearing_rad"])
     return View(rays.hit_m[:: rays.per_beam], labels, islands, openings)
 
@@ -315,18 +321,61 @@ def beam_labels(rays: Rays, hits, group, on_post) -> tuple[np.ndarray, frozenset
     return np.array([number[group] for group in beam_group.tolist()]), islands
 
 
+def doors_of(rays: Rays, opening_hits: np.ndarray) -> list[tuple[LineString, set[int]]]:
+    """Each door through which a wall is seen, and the openings through it: the walls at its two sides run towards each other,
+    and all that is seen between them lies behind it."""
+    hits, ends_m = rays.hits(), rays.ends_m()[rays.hits()]
+    found = []
+    for at, first in enumerate(opening_hits):
+        for more in range(len(opening_hits) - 1 if rays.full_turn else len(opening_hits) - 1 - at, 0, -1):
+            through = opening_hits[np.arange(at, at + more + 1) % len(opening_hits)]
+            last = through[-1]
+            if not rays.full_turn and (first < 0 or last + 1 >= len(hits)):
+                continue
+            seen = np.arange(first + 1, last + 1 + (len(hits) if last < first else 0)) % len(hits)
+            if is_door(ends_m, first, (last + 1) % len(hits), seen):
+                found.append((LineString(ends_m[[first, (last + 1) % len(hits)]]), {int(hit) for hit in through}))
+                break
+    return [door for door in found if not any(door[1] < other[1] for other in found)]
+
+
+def is_door(ends_m: np.ndarray, before: int, after: int, seen: np.ndarray) -> bool:
+    door = ends_m[after] - ends_m[before]
+    width_m, range_m = np.linalg.norm(door), np.linalg.norm(ends_m, axis=1)
+    if not VEHICLE_WIDTHS_M[1] <= width_m <= DOOR_M or range_m[before] > range_m[seen[0]] or range_m[after] > range_m[seen[-1]]:
+        return False
+    towards = [jamb_towards(ends_m, before, -1) @ door, jamb_towards(ends_m, after, 1) @ -door]
+    return min(towards) >= JAMB_COS * width_m and cross(door, ends_m[seen] - ends_m[before]).max() < 0
+
+
+def jamb_towards(ends_m: np.ndarray, end: int, step: int) -> np.ndarray:
+    """The direction in which a wall runs towards its end, from what is hit `JAMB_M` before it."""
+    others_m = ends_m[(end + step * np.arange(1, len(ends_m))) % len(ends_m)]
+    far = np.linalg.norm(others_m - ends_m[end], axis=1) >= JAMB_M
+    run = ends_m[end] - others_m[far.argmax() if far.any() else -1]
+    return run / np.linalg.norm(run)
+
+
+def along(line: LineString) -> np.ndarray:
+    return shapely.line_interpolate_point(line, np.arange(0.0, line.length, 0.1))
+
+
 def described(free: Polygon, rays: Rays, gap: int, opening_hits: np.ndarray) -> dict:
     """Bearing and width of an opening, where the clearance is largest: across the branch at 8 m from the sensor; across
     the opening's edge if that is nearer or narrower (8 m off is still the chamber), or if other openings lie beyond the
     8 m too."""
     edge = gap_line(rays, gap)
-    spot = at_edge = clearest(free, shapely.line_interpolate_point(edge, np.arange(0.0, edge.length, 0.1)))
+    spot = at_edge = clearest(free, along(edge))
     arc = far_rays(rays, gap_rays(rays, gap))
     if sum(np.isin(gap_rays(rays, other), arc).all() for other in opening_hits) == 1:
         at_branch = clearest(free, shapely.points(BRANCH_AT_M * directions(rays.bearing_rad[arc])))
         if at_branch[1] < 1.3 * at_edge[1]:
             spot = at_branch
-    (x_m, y_m), clearance_m = spot
+    return described_at(*spot)
+
+
+def described_at(spot_m: np.ndarray, clearance_m: float) -> dict:
+    x_m, y_m = spot_m
     return {"bearing_rad": float(np.arctan2(y_m, x_m)), "width_m": float(2 * clearance_m)}
 
 

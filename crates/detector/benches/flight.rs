@@ -2,12 +2,15 @@
 //! thread, after the four stages, which are not timed.
 //!
 //! `cargo bench -p crosscut-detector --bench flight` takes simulated flights, all development scenes as if they were one
-//! flight (`unrelated`), and a flight that is flown forth and back until it has 20,000 revolutions (`long`), of which it
-//! prints each thousand; `... -- [RECORDING...]` takes recordings instead. Columns are parted by commas, times are in
-//! microseconds. Of each revolution the least time of several passes counts, as another program's turn only ever adds.
+//! flight (`unrelated`), and two flights of 20,000 revolutions, of which it prints each thousand: one that is flown forth and
+//! back (`long`), and one that is elsewhere all at once after each minute, as its first minute is repeated (`lost`).
+//! `... -- [NAME...]` takes those of these names alone, `... -- [RECORDING...]` takes recordings instead. Columns are parted
+//! by commas, times are in microseconds. Of each revolution the least time of several passes counts, as another program's
+//! turn only ever adds.
 
 mod scans;
 
+use std::path::Path;
 use std::time::Instant;
 
 use crosscut_detector::{Engine, Preset, Sensor, Settings};
@@ -21,12 +24,15 @@ const SEED: u64 = 7;
 const PASSES: usize = 3;
 const LONG: usize = 20_000;
 const BLOCK: usize = 1000;
-/// Between two scans of a flight that is flown back.
+const MINUTE: usize = 600;
+/// Between two scans of a flight that is repeated.
 const SWEEP_NS: u64 = 100_000_000;
 
 fn main() -> Fallible<()> {
     // The first argument of a bench is `--bench`.
-    let recordings: Vec<String> = std::env::args().skip(1).filter(|arg| !arg.starts_with("--")).collect();
+    let arguments = std::env::args().skip(1).filter(|arg| !arg.starts_with("--"));
+    let (recordings, names): (Vec<String>, Vec<String>) = arguments.partition(|arg| Path::new(arg).exists());
+    let is_wanted = |name: &str| names.is_empty() || names.iter().any(|wanted| wanted == name);
     println!(
         "scans           ,   from,     to, flight p50,  p99,   most, map p50,  p99,   most, both p50,  p99,   most"
     );
@@ -36,20 +42,31 @@ fn main() -> Fallible<()> {
         }
         return Ok(());
     }
-    let mut long = Vec::new();
-    for name in FLIGHTS {
-        let scenario = scenarios().iter().find(|scenario| scenario.name == name).ok_or("no such scenario")?;
-        let revolutions: Vec<Revolution> = (scenario.fly)(SEED).map(|scene| revolution(&scene)).collect();
+    for name in FLIGHTS.into_iter().filter(|name| is_wanted(name)) {
+        let revolutions = flight(name, SEED)?;
         print(name, 0, &mut times_ns(&revolutions, revolutions.len())?);
-        long = if long.is_empty() { revolutions } else { long };
     }
-    let scenes = suites().iter().flat_map(|suite| suite.scenes(Split::Dev));
-    let unrelated: Vec<Revolution> = scenes.map(|scene| revolution(&scene)).collect();
-    print("unrelated", 0, &mut times_ns(&unrelated, unrelated.len())?);
-    for (block, times_ns) in times_ns(&long, LONG)?.chunks_mut(BLOCK).enumerate() {
-        print("long", block * BLOCK, times_ns);
+    if is_wanted("unrelated") {
+        let scenes = suites().iter().flat_map(|suite| suite.scenes(Split::Dev));
+        let unrelated: Vec<Revolution> = scenes.map(|scene| revolution(&scene)).collect();
+        print("unrelated", 0, &mut times_ns(&unrelated, unrelated.len())?);
+    }
+    let mut long = flight(FLIGHTS[0], SEED)?;
+    long.extend_from_within(..);
+    let half = long.len() / 2;
+    long[half..].reverse();
+    let lost = &flight("mine", 1)?[..MINUTE];
+    for (name, revolutions) in [("long", &long[..]), ("lost", lost)].into_iter().filter(|(name, _)| is_wanted(name)) {
+        for (block, times_ns) in times_ns(revolutions, LONG)?.chunks_mut(BLOCK).enumerate() {
+            print(name, block * BLOCK, times_ns);
+        }
     }
     Ok(())
+}
+
+fn flight(name: &str, seed: u64) -> Fallible<Vec<Revolution>> {
+    let scenario = scenarios().iter().find(|scenario| scenario.name == name).ok_or("no such scenario")?;
+    Ok((scenario.fly)(seed).map(|scene| revolution(&scene)).collect())
 }
 
 fn revolution(scene: &Scene) -> Revolution {
@@ -59,15 +76,14 @@ fn revolution(scene: &Scene) -> Revolution {
     revolution
 }
 
-/// Of each of `count` revolutions, forth and back, the nanoseconds of the flight and of the map.
+/// Of each of `count` revolutions, these in turn, the nanoseconds of the flight and of the map.
 fn times_ns(revolutions: &[Revolution], count: usize) -> Fallible<Vec<[u64; 2]>> {
     let mut engine: Engine = Settings::new(Preset::Default).engine()?;
     let mut least_ns = vec![[u64::MAX; 2]; count];
     for _ in 0..PASSES {
         let (mut flight, mut mapper) = (Flight::new(&Params::defaults(PARAMS), 0.6), Mapper::default());
         let mut frame = Frame::default();
-        let forth_and_back = revolutions.iter().chain(revolutions.iter().rev()).cycle();
-        for (at, (revolution, least_ns)) in forth_and_back.zip(&mut least_ns).enumerate() {
+        for (at, (revolution, least_ns)) in revolutions.iter().cycle().zip(&mut least_ns).enumerate() {
             frame.revolution.clone_from(revolution);
             if count > revolutions.len() {
                 frame.revolution.stamp_ns = at as u64 * SWEEP_NS;

@@ -156,6 +156,7 @@ mod tests {
             width_m: 2.0,
             walls: [0, 0],
             returns: [Some(0), Some(1)],
+            gaps: Vec::new(),
             evidence: Evidence::SeenThrough,
             known: crosscut_stage::Known::Judged,
             edge_m: [Point::new(4.0, -1.0, 0.0), Point::new(4.0, 1.0, 0.0)],

@@ -68,7 +68,7 @@ fn line_point(points_m: &[Point], at: usize) -> Option<LinePoint> {
 pub(crate) fn least_axis(symmetric: &Matrix2<f64>) -> (f64, Unit<Vector2<f64>>) {
     let (xx, xy, yy) = (symmetric[(0, 0)], symmetric[(0, 1)], symmetric[(1, 1)]);
     let half = 0.5 * (xx - yy);
-    let greater = 0.5 * (xx + yy) + half.hypot(xy);
+    let greater = 0.5 * (xx + yy) + (half * half + xy * xy).sqrt();
     // Of the two rows of M - λ the longer one is across the direction of λ, the greater eigenvalue.
     let row = if half > 0.0 { Vector2::new(xy, yy - greater) } else { Vector2::new(xx - greater, xy) };
     let axis = Unit::try_new(row, f64::MIN_POSITIVE).unwrap_or(Vector2::x_axis());

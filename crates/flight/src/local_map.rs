@@ -24,7 +24,12 @@ const SURELY_ALIKE: f64 = ALIKE + TURNED_RAD;
 const PERHAPS_ALIKE: f64 = ALIKE - 2.0 * TURNED_RAD;
 
 /// This many line points are kept as the nearest of a place.
-const NEAREST: usize = 4;
+const NEAREST: usize = 3;
+
+/// The bits of a squared distance, metres, that are the index of what lies so far, and no line point at all: a cell of a billion
+/// bytes' map has a lesser index, and distances are cut by less than [`ROUNDING_M`].
+const INDEX: u64 = (1 << 24) - 1;
+const NOTHING: u64 = u64::MAX;
 
 /// Distances are compared with this much to spare, for rounding.
 pub(crate) const ROUNDING_M: f64 = 1e-9;
@@ -91,7 +96,8 @@ impl LocalMap {
         let cell = self.find(at).unwrap_or_else(|| self.add_cell(at, &point));
         let (first, len) = (cell * MAX_IN_CELL, self.cells[cell].len);
         let is_new = |other: &LinePoint| {
-            (other.position_m - point.position_m).norm() > LEAST_APART_M || other.normal.dot(&point.normal) < 0.5
+            let apart_m2 = (other.position_m - point.position_m).norm_squared();
+            apart_m2 > LEAST_APART_M * LEAST_APART_M || other.normal.dot(&point.normal) < 0.5
         };
         if len < MAX_IN_CELL && self.points[first..first + len].iter().all(is_new) {
             self.points[first + len] = point;
@@ -149,61 +155,71 @@ impl LocalMap {
 
     /// The nearest line point within a cell's side that faces the same way.
     pub(crate) fn nearest(&self, point: &LinePoint) -> Option<&LinePoint> {
-        let mut nearest = None;
-        self.look_around(&point.position_m, CELL_M * CELL_M, |index, off_m2, least_m2| {
-            if self.points[index].normal.dot(&point.normal) > ALIKE {
-                (nearest, *least_m2) = (Some(index), off_m2);
-            }
-        });
+        let (mut nearest, mut least_m2) = (None, CELL_M * CELL_M);
+        self.cells_around(
+            &point.position_m,
+            &mut least_m2,
+            |least_m2| *least_m2,
+            |least_m2, first, points| {
+                for (index, other) in (first..).zip(points) {
+                    let off_m2 = (other.position_m - point.position_m).norm_squared();
+                    if off_m2 < *least_m2 && other.normal.dot(&point.normal) > ALIKE {
+                        (nearest, *least_m2) = (Some(index), off_m2);
+                    }
+                }
+            },
+        );
         nearest.map(|index| &self.points[index])
     }
 
     /// The line points around one, of those that may face the same way.
     pub(crate) fn near(&self, point: &LinePoint) -> Near {
-        let seen_m = seen_m(&point.position_m);
-        let (mut near, mut kept_m2) = (Near::default(), [0.0f64; NEAREST]);
-        let others_m2 = self.look_around(&point.position_m, seen_m * seen_m, |index, off_m2, others_m2| {
-            if self.points[index].normal.dot(&point.normal) <= PERHAPS_ALIKE {
-                return;
-            }
-            if near.len < NEAREST {
-                near.len += 1;
-            } else {
-                *others_m2 = kept_m2[NEAREST - 1].max(off_m2);
-                if off_m2 >= kept_m2[NEAREST - 1] {
-                    return;
+        let place_m = &point.position_m;
+        let seen_m = seen_m(in_cell_m(place_m, cell_of(place_m)));
+        // Squared distances as whole numbers, of which the last bits are the index: what is sorted so needs no branches.
+        let (mut kept, mut others) = ([NOTHING; NEAREST], (seen_m * seen_m).to_bits());
+        self.cells_around(
+            place_m,
+            &mut others,
+            |others| f64::from_bits(*others),
+            |others, first, points| {
+                for (index, other) in (first..).zip(points) {
+                    let off_m2 = (other.position_m - place_m).norm_squared();
+                    let may_be_alike = other.normal.dot(&point.normal) > PERHAPS_ALIKE;
+                    let mut farther = if may_be_alike { off_m2.to_bits() & !INDEX | index as u64 } else { NOTHING };
+                    for kept in &mut kept {
+                        (*kept, farther) = (farther.min(*kept), farther.max(*kept));
+                    }
+                    *others = farther.min(*others);
                 }
-            }
-            let mut at = near.len - 1;
-            while at > 0 && kept_m2[at - 1] > off_m2 {
-                (kept_m2[at], near.points[at]) = (kept_m2[at - 1], near.points[at - 1]);
-                at -= 1;
-            }
-            (kept_m2[at], near.points[at]) = (off_m2, index as u32);
-        });
-        Near { others_m: others_m2.sqrt(), ..near }
+            },
+        );
+        let len = kept.iter().filter(|kept| **kept != NOTHING).count();
+        let others_m = f64::from_bits(others & !INDEX).sqrt();
+        Near { points: kept.map(|kept| (kept & INDEX) as u32), len, others_m }
     }
 
-    /// Calls `see` with the index and the squared distance of each line point that is nearer to a place than the root of
-    /// `within_m2`, from the cell of the place and those beside it. `see` may lower this bound; the last bound is returned.
-    fn look_around(&self, place_m: &Point2<f64>, mut within_m2: f64, mut see: impl FnMut(usize, f64, &mut f64)) -> f64 {
-        let ([x, y], [in_x_m, in_y_m]) = (cell_of(place_m), in_cell_m(place_m));
+    /// Calls `see` with the line points, and the index of the first, of the cell of a place and of each beside it that is no
+    /// farther than the root of `within_m2` of the bound, which `see` may lower.
+    fn cells_around<B>(
+        &self,
+        place_m: &Point2<f64>,
+        bound: &mut B,
+        within_m2: impl Fn(&B) -> f64,
+        mut see: impl FnMut(&mut B, usize, &[LinePoint]),
+    ) {
+        let [x, y] = cell_of(place_m);
+        let [in_x_m, in_y_m] = in_cell_m(place_m, [x, y]);
         // The place's own cell is first: what is found there rules out most of the others.
         for [dx, dy] in AROUND {
             let (beside_x_m, beside_y_m) = (beside_m(dx, in_x_m), beside_m(dy, in_y_m));
-            if beside_x_m * beside_x_m + beside_y_m * beside_y_m > within_m2 {
+            if beside_x_m * beside_x_m + beside_y_m * beside_y_m > within_m2(bound) {
                 continue;
             }
             let Some(cell) = self.find([x + dx, y + dy]) else { continue };
             let first = cell * MAX_IN_CELL;
-            for (index, other) in (first..).zip(&self.points[first..first + self.cells[cell].len]) {
-                let off_m2 = (other.position_m - place_m).norm_squared();
-                if off_m2 < within_m2 {
-                    see(index, off_m2, &mut within_m2);
-                }
-            }
+            see(bound, first, &self.points[first..first + self.cells[cell].len]);
         }
-        within_m2
     }
 
     /// Of these, the nearest within a cell's side that faces the same way.
@@ -246,19 +262,21 @@ fn place_of([x, y]: [i32; 2]) -> usize {
 }
 
 fn cell_of(position_m: &Point2<f64>) -> [i32; 2] {
-    // `as` saturates: a position beyond 5·10^8 m shares the last cell.
-    [position_m.x, position_m.y].map(|value_m| ((value_m / CELL_M).floor() as i32).clamp(i32::MIN / 2, i32::MAX / 2))
+    [position_m.x, position_m.y].map(|value_m| {
+        // `as` cuts off, and saturates: a position beyond 5·10^8 m shares the last cell.
+        let (cells, cut) = (value_m / CELL_M, (value_m / CELL_M) as i32);
+        cut.saturating_sub(i32::from(f64::from(cut) > cells)).clamp(i32::MIN / 2, i32::MAX / 2)
+    })
 }
 
 /// How far within its cell a place lies along each axis.
-fn in_cell_m(place_m: &Point2<f64>) -> [f64; 2] {
-    let [x, y] = cell_of(place_m);
+fn in_cell_m(place_m: &Point2<f64>, [x, y]: [i32; 2]) -> [f64; 2] {
     [place_m.x - f64::from(x) * CELL_M, place_m.y - f64::from(y) * CELL_M]
 }
 
-/// All that lies within this distance of a place is in its own cell or in one beside it.
-fn seen_m(place_m: &Point2<f64>) -> f64 {
-    let [side_x_m, side_y_m] = in_cell_m(place_m).map(|within_m| within_m.min(CELL_M - within_m));
+/// All that lies within this distance of a place that lies so far within its cell is in that cell or in one beside it.
+fn seen_m(in_cell_m: [f64; 2]) -> f64 {
+    let [side_x_m, side_y_m] = in_cell_m.map(|within_m| within_m.min(CELL_M - within_m));
     // Beyond the last cell it is not known.
     (CELL_M + side_x_m.min(side_y_m)).max(0.0)
 }

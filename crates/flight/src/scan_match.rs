@@ -29,7 +29,10 @@ const DEVIATION_M: f64 = 0.05;
 const KERNEL_M: f64 = 0.15;
 
 /// The iteration ends at a step shorter than this, metres and radians.
-const CONVERGED: f64 = 1e-4;
+const CONVERGED: f64 = 1e-3;
+
+/// It is on its way to a pose that was found from another start once it is nearer to it than this, metres and radians.
+const FOUND: f64 = 0.01;
 const MAX_ITERATIONS: usize = 25;
 
 /// Line points farther than this from the vehicle are forgotten.
@@ -56,8 +59,10 @@ const USUAL_AFTER: u32 = 5;
 /// At most this many line points are matched, evenly chosen; more add time and no certainty.
 const MOST_POINTS: usize = 200;
 
-/// A start at which fewer of them than this share match is not followed.
+/// A start at which fewer of them than this share match is not followed, nor one that does not lead to [`LEAST_MATCHED`] within
+/// so many steps: where the walls are those seen before, the first steps bring most of them together.
 const LEAST_AT_START: f64 = 0.15;
+const FIRST_STEPS: usize = 2;
 
 /// What noise of the normals makes of the curvature is taken off this many times.
 const NOISE_TIMES: f64 = 2.0;
@@ -172,7 +177,11 @@ impl ScanMatcher {
         } else {
             // Walls off by more than the kernel do not pull: after a slip the minimum lies near the steady motion.
             self.matching.begin(self.line_points.iter().copied());
-            let first = self.align(&prediction);
+            let first = self.align(&prediction, None);
+            // What ends where this did is no better, unless the prediction pulls at it by more than the other's lead.
+            let off = difference(&first.1.pose, &prediction.pose);
+            let pull = off.dot(&(prediction.prior(first.1.held) * off));
+            let found = (!first.1.lost && pull <= ODOMETRY_LEAD).then_some(first.1.pose);
             let standing = Motion { step: Isometry2::identity(), ..steady };
             let others = [(steady, NEAR), (standing, KERNEL_M)]
                 .map(|(motion, near)| (self.prediction(&motion, ODOMETRY_LEAD), near));
@@ -180,7 +189,7 @@ impl ScanMatcher {
                 let off = difference(&other.pose, &prediction.pose);
                 off.amax() > *near && off.xy().norm() < NEIGHBOURS_M
             };
-            let others = others.iter().filter(is_far).map(|(other, _)| self.align(other));
+            let others = others.iter().filter(is_far).map(|(other, _)| self.align(other, found.as_ref()));
             // Along a smooth tunnel any motion fits, and standing fits best: the beams meet the walls where they did before.
             let is_shown = |other: &(f64, Matched)| predicted.is_none() || other.1.held == Held::Everywhere;
             let best = others.filter(is_shown).fold(first, |best, other| if other.0 < best.0 { other } else { best });
@@ -220,21 +229,25 @@ impl ScanMatcher {
         Prediction { pose: self.pose * motion.step, covariance, information, lead }
     }
 
-    /// The minimum of the sum near a prediction, and its value; infinite if the pose is lost.
-    fn align(&mut self, prediction: &Prediction) -> (f64, Matched) {
-        let lost = (f64::INFINITY, prediction.lost());
+    /// The minimum of the sum near a prediction, and its value; infinite if the pose is lost, or leads to one that was `found`.
+    fn align(&mut self, prediction: &Prediction, found: Option<&Isometry2<f64>>) -> (f64, Matched) {
+        let lost = |matched| (f64::INFINITY, Matched { matched, ..prediction.lost() });
         let all = self.matching.len() as f64;
         let mut pose = prediction.pose;
         let mut walls = self.walls_at(&pose);
-        if (walls.evidence.matched as f64) < LEAST_AT_START * all {
-            return lost;
-        }
-        for _ in 0..MAX_ITERATIONS {
+        for steps in 0..MAX_ITERATIONS {
+            let matched = walls.evidence.matched as f64 / all;
+            if (steps == 0 && matched < LEAST_AT_START) || (steps == FIRST_STEPS && matched < LEAST_MATCHED) {
+                return lost(matched);
+            }
             let off = difference(&pose, &prediction.pose);
             let prior = prediction.prior(walls.held);
-            let Some(factor) = (walls.evidence.information + prior).cholesky() else { return lost };
+            let Some(factor) = (walls.evidence.information + prior).cholesky() else { return lost(matched) };
             let step = factor.solve(&-(walls.evidence.gradient + prior * off));
             pose = stepped(&pose, &step);
+            if found.is_some_and(|found| difference(&pose, found).amax() < FOUND) {
+                return lost(matched);
+            }
             walls = self.walls_at(&pose);
             if step.amax() < CONVERGED {
                 break;
@@ -251,7 +264,7 @@ impl ScanMatcher {
             Some(covariance) if matched >= LEAST_MATCHED => {
                 (cost, Matched { pose, covariance, matched, surprise: 0.0, lost: false, held })
             }
-            _ => (f64::INFINITY, Matched { matched, ..lost.1 }),
+            _ => lost(matched),
         }
     }
 

@@ -80,8 +80,8 @@ pub(crate) enum RayEnd {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Surroundings {
     cells: Vec<Cell>,
-    /// The cell of the corner with the least coordinates.
-    corner: [i64; 2],
+    /// The cell of the corner with the least coordinates, in whole numbers.
+    corner: Vector2<f64>,
     added_from: Option<Isometry2<f64>>,
     /// The doubt of the poses of the scans that are not forgotten.
     doubts: VecDeque<PoseDoubt>,
@@ -92,7 +92,9 @@ pub(crate) struct Surroundings {
 impl Surroundings {
     /// Forgets everything: the poses have a new beginning.
     pub(crate) fn clear(&mut self) {
-        *self = Self::default();
+        self.forgotten = self.forgotten.saturating_add(self.doubts.len() as u32);
+        self.doubts.clear();
+        self.added_from = None;
     }
 
     /// Adds a view from a pose, its rays by bearing; those of walls end at a wall.
@@ -115,6 +117,7 @@ impl Surroundings {
         self.added_from = Some(*pose);
         self.doubts.push_back(*doubt);
         self.surround(pose);
+        let scan = self.forgotten.saturating_add(self.doubts.len() as u32);
         let reach_m = |ray: &Ray| ray.free_m.min(REACH_M);
         // A wall that a scan sees is not free in it, although other beams pass through its cell.
         for pair in rays.windows(2) {
@@ -126,7 +129,8 @@ impl Surroundings {
             let parts = if are_joined(pair) { ((to - from).norm() / CELL_M).ceil().max(1.0) } else { 1.0 };
             for part in 0..=parts as usize {
                 let wall = from + (to - from) * (part as f64 / parts);
-                self.set((pose * Point2::from(wall)).coords, true);
+                let place_m = (pose * Point2::from(wall)).coords;
+                set(&mut self.cells, self.corner, [self.forgotten, scan], place_m, true);
             }
         }
         for pair in rays.windows(2) {
@@ -139,8 +143,12 @@ impl Surroundings {
                 let share = part as f64 / parts;
                 let free_m = if is_one_wall { from_m + (to_m - from_m) * share } else { from_m.min(to_m) };
                 let direction = pose.rotation * unit(pair[0].bearing_rad + turned_rad * share);
-                for step in 0..(free_m / CELL_M).ceil() as usize {
-                    self.set(pose.translation.vector + direction * (step as f64 * CELL_M), false);
+                let steps = (free_m / CELL_M).ceil() as usize;
+                // Nearer to the sensor than half of the way every other part is enough, than a quarter every fourth.
+                let first = if part == 0 { 0 } else { steps >> (part.trailing_zeros() + 1) };
+                for step in first..steps {
+                    let place_m = pose.translation.vector + direction * (step as f64 * CELL_M);
+                    set(&mut self.cells, self.corner, [self.forgotten, scan], place_m, false);
                 }
             }
         }
@@ -162,51 +170,46 @@ impl Surroundings {
 
     /// Lays the cells around a pose; what was seen where they lay before stays.
     fn surround(&mut self, pose: &Isometry2<f64>) {
-        let middle = (SIDE / 2) as i64;
-        let corner = cell_of(pose.translation.vector).map(|cell| cell.saturating_sub(middle));
-        let off = [0, 1].map(|axis| corner[axis].saturating_sub(self.corner[axis]));
-        let most = (OFF_MIDDLE_M / CELL_M) as u64;
-        if !self.cells.is_empty() && off.iter().all(|off| off.unsigned_abs() <= most) {
+        let corner = (pose.translation.vector / CELL_M).map(f64::floor) - Vector2::repeat((SIDE / 2) as f64);
+        let off = corner - self.corner;
+        if !self.cells.is_empty() && off.amax() <= OFF_MIDDLE_M / CELL_M {
             return;
         }
-        let mut cells = vec![Cell::default(); SIDE * SIDE];
-        if !self.cells.is_empty() {
+        if self.doubts.len() > 1 {
+            let mut cells = vec![Cell::default(); SIDE * SIDE];
             for y in 0..SIDE {
                 for x in 0..SIDE {
-                    if let Some(at) = index([x as i64 + off[0], y as i64 + off[1]]) {
+                    if let Some(at) = index(Vector2::new(x as f64, y as f64) + off) {
                         cells[y * SIDE + x] = self.cells[at];
                     }
                 }
             }
+            self.cells = cells;
+        } else {
+            // What is there was forgotten.
+            self.cells.resize(SIDE * SIDE, Cell::default());
         }
-        (self.cells, self.corner) = (cells, corner);
-    }
-
-    fn index_of(&self, place_m: Vector2<f64>) -> Option<usize> {
-        let cell = cell_of(place_m);
-        index([0, 1].map(|axis| cell[axis].saturating_sub(self.corner[axis])))
-    }
-
-    /// What the latest scan saw at a place; the first that it is said to have seen there counts.
-    fn set(&mut self, place_m: Vector2<f64>, is_wall: bool) {
-        let scan = self.forgotten.saturating_add(self.doubts.len() as u32);
-        let forgotten = self.forgotten;
-        if let Some(cell) =
-            self.index_of(place_m).and_then(|at| self.cells.get_mut(at)).filter(|cell| cell.scan != scan)
-        {
-            let before = if cell.scan > forgotten { cell.odds } else { 0 };
-            let odds = before + if is_wall { 1 } else { -1 };
-            *cell = Cell { odds: odds.clamp(-MOST_ODDS, MOST_ODDS), scan };
-        }
+        self.corner = corner;
     }
 
     fn at(&self, place_m: Vector2<f64>) -> Seen {
-        let cell = self.index_of(place_m).and_then(|at| self.cells.get(at)).copied().unwrap_or_default();
+        let cell = index_of(self.corner, place_m).and_then(|at| self.cells.get(at)).copied().unwrap_or_default();
         match cell {
             Cell { scan, .. } if scan <= self.forgotten => Seen::Never,
             Cell { odds: 1.., .. } => Seen::Wall,
             Cell { .. } => Seen::Free,
         }
+    }
+}
+
+/// Sets what a scan saw at a place; the first that it is said to have seen there counts. `scans`: the last that is forgotten, and
+/// this one.
+fn set(cells: &mut [Cell], corner: Vector2<f64>, [forgotten, scan]: [u32; 2], place_m: Vector2<f64>, is_wall: bool) {
+    let cell = index_of(corner, place_m).and_then(|at| cells.get_mut(at));
+    if let Some(cell) = cell.filter(|cell| cell.scan != scan) {
+        let before = if cell.scan > forgotten { cell.odds } else { 0 };
+        let odds = before + if is_wall { 1 } else { -1 };
+        *cell = Cell { odds: odds.clamp(-MOST_ODDS, MOST_ODDS), scan };
     }
 }
 
@@ -216,15 +219,15 @@ fn are_joined(pair: &[Ray]) -> bool {
     pair[0].end == pair[1].end && (pair[0].end == RayEnd::Range || (to_m - from_m).norm() <= JOINED_M)
 }
 
-fn cell_of(place_m: Vector2<f64>) -> [i64; 2] {
-    // `as` saturates.
-    [place_m.x, place_m.y].map(|value_m| (value_m / CELL_M).floor() as i64)
+/// The index of the cell of a place.
+fn index_of(corner: Vector2<f64>, place_m: Vector2<f64>) -> Option<usize> {
+    index(place_m / CELL_M - corner)
 }
 
-/// The index of a cell, counted from the corner.
-fn index(cell: [i64; 2]) -> Option<usize> {
-    let [x, y] = cell.map(|at| usize::try_from(at).ok().filter(|at| *at < SIDE));
-    Some(y? * SIDE + x?)
+/// The index of the cell of a place, in cells from the corner.
+fn index(at: Vector2<f64>) -> Option<usize> {
+    let is_inside = |along: f64| (0.0..SIDE as f64).contains(&along);
+    (is_inside(at.x) && is_inside(at.y)).then(|| at.y as usize * SIDE + at.x as usize)
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ use crosscut_messages::{
 use mcap::records::MessageHeader;
 
 use crate::container::{self, ChannelId, Contents, TopicReader};
-use crate::recording::open_all;
+use crate::parts::OpenParts;
 use crate::topics::{scan_topic, topics_of};
 use crate::{IngestError, Loss, ReadOptions, TopicInfo};
 
@@ -52,6 +52,8 @@ pub struct Converted {
     pub undecodable: BTreeMap<String, u64>,
     /// What was lost of the recording.
     pub losses: Vec<Loss>,
+    /// Recordings of other kinds in the folders that it was read from (see [`Parts`](crate::Parts)).
+    pub left_out: Vec<PathBuf>,
 }
 
 /// What is done with a message.
@@ -120,9 +122,9 @@ pub fn convert(
     out: impl Write + Seek,
     mut written: impl FnMut(),
 ) -> Result<Converted, ConvertError> {
-    let (containers, losses) = open_all(inputs, &options.csv)?;
+    let OpenParts { containers, losses, left_out } = OpenParts::open(inputs, &options.csv)?;
     let routes = routes(topics_of(containers.iter().map(|container| container.contents())), options, echo)?;
-    let mut converted = Converted { losses, ..Converted::default() };
+    let mut converted = Converted { losses, left_out, ..Converted::default() };
     let mut mcap = mcap::WriteOptions::new().profile("ros2").library("crosscut").create(out)?;
     let mut channels = BTreeMap::new();
     let mut selection = Selection { options, first_ns: None, scans: 0, selected: 0 };

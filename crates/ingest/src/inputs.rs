@@ -10,6 +10,9 @@ use crate::{IngestError, Loss, LossKind, metadata};
 /// Endings of recordings. Of a folder that has several kinds, the first kind counts: the others are copies.
 const KINDS: [&str; 6] = ["mcap", "db3", "bag", "clf", "pcd", "ply"];
 
+/// Endings of recordings that no folder stands for: they are those of the program itself.
+const KINDS_TO_NAME: [&str; 1] = ["rrd"];
+
 /// What may follow these: files that are compressed (rosbag2 has the first), and those that a recorder did not close.
 const AFTER_KIND: [&str; 5] = ["zstd", "zst", "lz4", "bz2", "active"];
 
@@ -20,7 +23,7 @@ pub struct Parts {
     pub files: Vec<PathBuf>,
     /// Those that are not there although the `metadata.yaml` of their folder names them.
     pub missing: Vec<Loss>,
-    /// Recordings of other kinds in a folder, which are left out: most are copies.
+    /// Recordings of other kinds in a folder, which are left out: most are copies, or made of its recordings.
     pub left_out: Vec<PathBuf>,
 }
 
@@ -66,7 +69,8 @@ fn add_folder(folder: &Path, parts: &mut Parts) -> Result<(), IngestError> {
         return Err(IngestError::NoRecordings { path: folder.to_owned(), files: files.len(), folders });
     };
     let (mut recordings, others): (Vec<_>, Vec<_>) = files.into_iter().partition(|path| is_of_kind(path, kind));
-    parts.left_out.extend(others.into_iter().filter(|path| KINDS.iter().any(|kind| is_of_kind(path, kind))));
+    let is_recording = |path: &PathBuf| KINDS.iter().chain(&KINDS_TO_NAME).any(|kind| is_of_kind(path, kind));
+    parts.left_out.extend(others.into_iter().filter(is_recording));
     // Who decompressed or closed a part may have kept both.
     let is_twin = |path: &PathBuf| original(path) != *path && original(path).is_file();
     recordings.retain(|path| !is_twin(path));

@@ -64,6 +64,7 @@ mod loss;
 mod messages;
 mod metadata;
 mod odometry_reader;
+mod parts;
 mod recording;
 mod scanners;
 mod stopping;

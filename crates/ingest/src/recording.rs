@@ -9,14 +9,15 @@ use crosscut_messages::{ScanDecoder, ScanType};
 use crosscut_sensor::{Before, Motion, Sensor, Turning, times_s};
 use crosscut_stage::{Notes, Revolution, Source, SourceError, counted};
 
-use crate::container::{self, Container};
+use crate::container::Container;
 use crate::messages::Messages;
 use crate::odometry_reader::OdometryReader;
+use crate::parts::OpenParts;
 use crate::scanners::{Mount, Scanners};
 use crate::stream::Wait;
 use crate::topics::{scan_topic, topics_of};
 use crate::turns::{Turn, Turns};
-use crate::{CsvGeometry, IngestError, Loss, Parts, TopicInfo, limits, parts_in};
+use crate::{CsvGeometry, IngestError, Loss, TopicInfo, limits};
 
 const NS_PER_S: f64 = 1e9;
 
@@ -94,21 +95,22 @@ pub struct Recording {
     reordered: u64,
     of_other_frames: u64,
     last_other_frame: String,
+    left_out: Vec<PathBuf>,
 }
 
 impl Recording {
-    /// Opens the recordings in `inputs` (see [`parts_in`]) as the parts of one flight, in that order, and finds
+    /// Opens the recordings in `inputs` (see [`parts_in`](crate::parts_in)) as the parts of one flight, in that order, and finds
     /// the scan topic.
     ///
     /// # Errors
     /// When there is nothing that can be read: what was found instead. A part that is missing, empty or, in a folder, no
     /// recording, is a loss if others are not.
     pub fn open(inputs: &[PathBuf], options: &ReadOptions, sensor: Sensor) -> Result<Self, IngestError> {
-        let (containers, losses) = open_all(inputs, &options.csv)?;
+        let OpenParts { containers, losses, left_out } = OpenParts::open(inputs, &options.csv)?;
         let scanners = Scanners::open(&containers, &losses, options, &sensor)?;
         let is_single = scanners.is_none();
         let mount = is_single.then(|| Mount::read(&containers, &options.csv, &sensor)).flatten();
-        Ok(Self { scanners, mount, ..Self::of(containers, losses, options, sensor)? })
+        Ok(Self { scanners, mount, left_out, ..Self::of(containers, losses, options, sensor)? })
     }
 
     /// Of a stream: how many messages there will be is not known.
@@ -181,7 +183,13 @@ impl Recording {
             reordered: 0,
             of_other_frames: 0,
             last_other_frame: String::new(),
+            left_out: Vec::new(),
         })
+    }
+
+    /// Recordings of other kinds in the folders that it is opened from (see [`Parts`](crate::Parts)).
+    pub fn left_out(&self) -> &[PathBuf] {
+        &self.left_out
     }
 
     /// The topic that the scans are of.
@@ -444,25 +452,4 @@ impl Source for Recording {
             None => self.nothing_selected().map_or(Ok(false), Err),
         }
     }
-}
-
-/// The parts of a flight that can be read, and what is missing of it.
-type Opened = (Vec<Box<dyn Container>>, Vec<Loss>);
-
-/// Opens every part of a flight. One that `metadata.yaml` names and is not there, or that is no recording, is a loss, as long as
-/// another can be read.
-pub(crate) fn open_all(inputs: &[PathBuf], csv: &CsvGeometry) -> Result<Opened, IngestError> {
-    let Parts { files, missing: mut losses, left_out: _ } = parts_in(inputs)?;
-    let mut containers = Vec::new();
-    for file in &files {
-        match container::open(file, csv) {
-            Ok(container) => containers.push(container),
-            Err(error) => {
-                let is_one_of_several = files.len() > 1 || !inputs.contains(file);
-                let loss = error.as_loss(inputs.contains(file)).filter(|_| is_one_of_several);
-                losses.push(loss.ok_or(error)?);
-            }
-        }
-    }
-    if containers.is_empty() { Err(IngestError::NothingReadable { losses }) } else { Ok((containers, losses)) }
 }

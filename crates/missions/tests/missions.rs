@@ -117,6 +117,19 @@ fn a_loop_of_a_plan_is_flown_through_and_left() {
 }
 
 #[test]
+fn a_passage_is_visited_on_both_sides_of_a_start_midway() {
+    let plan = Plan::from_json(
+        r#"{"nodes": [{"id": 0, "x_m": 0, "y_m": 0}, {"id": 1, "x_m": 25, "y_m": 0}, {"id": 2, "x_m": 45, "y_m": 0},
+            {"id": 3, "x_m": 60, "y_m": 0}, {"id": 4, "x_m": 45, "y_m": 15}], "edges": [{"from": 0, "to": 1, "width_m": 4},
+            {"from": 1, "to": 2, "width_m": 4}, {"from": 2, "to": 3, "width_m": 4}, {"from": 2, "to": 4, "width_m": 4}],
+            "start": {"node": 1, "towards": 2}}"#,
+    );
+    let world = plan.and_then(|plan| plan.world(1)).expect("a world");
+    let flown = mission(&world, "nearest_frontier", Agility::default(), 1, 4000);
+    assert!(flown.is_success(), "{} of {} ways: {:?}", flown.ways_visited, flown.ways, flown.missed_m);
+}
+
+#[test]
 fn of_junctions_eleven_metres_apart_none_is_passed_over() {
     let nodes = [(-20, 0), (0, 0), (11, 0), (22, 0), (40, 0), (0, -16), (11, 16), (22, -16)];
     let nodes = nodes.iter().enumerate().map(|(id, (x, y))| format!(r#"{{"id":{id},"x_m":{x},"y_m":{y}}}"#));

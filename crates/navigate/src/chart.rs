@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use nalgebra::{Isometry2, Point2};
 
-use crosscut_flight::{HereKind, Located, Node, NodeWay, Way};
+use crosscut_flight::{HereKind, Located, Map, Node, NodeWay, Way};
 use crosscut_stage::{unit, wrap_angle_rad};
 
 use crate::known::{Known, KnownPlace, KnownWay, WayState};
@@ -18,6 +18,9 @@ const OTHER_WAY_RAD: f64 = 0.6;
 /// A way is given up after this many attempts that did not lead into it.
 const MOST_TRIES: usize = 2;
 
+/// A trail that leads this far beyond the mouth of a way leads through it, m.
+const BEYOND_MOUTH_M: f64 = 4.0;
+
 /// A link that the map does not have is taken to be longer by this, m, so that passages of the map go before.
 const LINK_EXTRA_M: f64 = 5.0;
 
@@ -26,6 +29,8 @@ const LINK_EXTRA_M: f64 = 5.0;
 pub(crate) struct Chart {
     notes: Vec<(WayEnd, Noted)>,
     links: Vec<Link>,
+    /// The flight began in a passage that leads on behind.
+    pub(crate) begins_midway: bool,
 }
 
 /// What was noted of a way.
@@ -113,6 +118,9 @@ impl Chart {
                 ways: node.ways.iter().map(|way| self.way(located, trail_m, number, way)).collect(),
             })
             .collect();
+        if let Some((place, way)) = self.half_flown(&located.map, trail_m) {
+            places[place].ways[way].state = WayState::New;
+        }
         let here = &mut places[located.node];
         let known = here.ways.len();
         for way in in_view.iter().filter(|_| here.kind == HereKind::Junction) {
@@ -151,6 +159,21 @@ impl Chart {
         }
     }
 
+    /// The way of the first place of which nothing but the part from the start on was flown, if the passage leads on behind the
+    /// start: the place and the way.
+    fn half_flown(&self, map: &Map, trail_m: &[Point2<f64>]) -> Option<(usize, usize)> {
+        let place = map.first_visited().filter(|_| self.begins_midway)?;
+        let node = &map.nodes[place];
+        let reach_m = node.ways.iter().map(mouth_m).fold(0.0, f64::max);
+        let came = trail_m.iter().map(|place_m| place_m - node.position_m).find(|from| from.norm() < reach_m)?;
+        let off_rad = |way: &usize| wrap_angle_rad(node.ways[*way].bearing_rad - came.y.atan2(came.x)).abs();
+        let way = (0..node.ways.len()).min_by(|a, b| off_rad(a).total_cmp(&off_rad(b)))?;
+        let begins_outside = trail_m.first().is_some_and(|start_m| (start_m - node.position_m).norm() >= reach_m);
+        let is_open =
+            node.ways[way].passage.is_none() && self.count(node, node.ways[way].bearing_rad, Noted::Taken) == 0;
+        (begins_outside && is_open).then_some((place, way))
+    }
+
     fn state(&self, node: &Node, way: &NodeWay, trail_m: &[Point2<f64>]) -> WayState {
         let count = |noted: Noted| self.count(node, way.bearing_rad, noted);
         if way.taken || count(Noted::Taken) > 0 || is_on_trail(node.position_m, way, trail_m) {
@@ -165,16 +188,23 @@ impl Chart {
     }
 }
 
-/// Whether a trail leads through the mouth of a way and on: the place may be on the map twice.
+/// How far the mouth of a way is from its place.
+fn mouth_m(way: &NodeWay) -> f64 {
+    (1.4 * way.width_m).clamp(1.5, 9.0)
+}
+
+/// Whether a trail leads through the mouth of a way and on, there or back: the place may be on the map twice. Up to the mouth is
+/// not through it: a decision may be taken there, and a flight may begin there.
 fn is_on_trail(place_m: Point2<f64>, way: &NodeWay, trail_m: &[Point2<f64>]) -> bool {
-    let along = unit(way.bearing_rad);
-    let mouth_m = (1.4 * way.width_m).clamp(1.5, 9.0);
+    let mouth_m = mouth_m(way);
     let within_m = 0.3 * way.width_m.min(5.0) + 0.3;
-    let is_passed = |far_m: f64| {
-        let at_m = place_m + along * far_m;
-        trail_m.iter().any(|trail_m| (trail_m - at_m).norm() < within_m)
+    let at_m = place_m + unit(way.bearing_rad) * mouth_m;
+    let off_m = |passed_m: &Point2<f64>| (passed_m - place_m).norm();
+    let leads_on = |run_m: &mut dyn Iterator<Item = &Point2<f64>>| {
+        run_m.map(off_m).take_while(|off_m| *off_m > mouth_m - within_m).any(|off_m| off_m > mouth_m + BEYOND_MOUTH_M)
     };
-    is_passed(mouth_m) && is_passed(mouth_m + 1.0) && is_passed(mouth_m + 2.0)
+    let in_mouth = (0..trail_m.len()).filter(|at| (trail_m[*at] - at_m).norm() < within_m);
+    in_mouth.into_iter().any(|at| leads_on(&mut trail_m[at..].iter()) || leads_on(&mut trail_m[..at].iter().rev()))
 }
 
 /// The ways of a place, turned from the body frame into that of the map.
@@ -184,12 +214,12 @@ pub(crate) fn in_map(ways: &[Way], pose: &Isometry2<f64>, correction: &Isometry2
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
-    use crosscut_flight::{Map, Passage};
+    use crosscut_flight::Passage;
 
     /// Three junctions in a row; by the map the first leads to the second. The vehicle is in the first.
-    fn located() -> Located {
+    pub(crate) fn in_a_row() -> Located {
         let way = |bearing_rad: f64| NodeWay { bearing_rad, width_m: 3.0, taken: true, passage: None };
         let node = |number: u64| Node {
             kind: HereKind::Junction,
@@ -214,14 +244,14 @@ mod tests {
 
     #[test]
     fn a_way_home_that_led_back_is_not_taken_again_before_the_others() {
-        let (located, mut chart) = (located(), Chart::default());
+        let (located, mut chart) = (in_a_row(), Chart::default());
         let mut taken = || chart.homewards(&located, &[0.0, 1.6, 3.1], 1.0);
         assert_eq!([taken(), taken(), taken(), taken()], [Some(1), Some(0), Some(2), Some(1)]);
     }
 
     #[test]
     fn a_way_that_led_elsewhere_twice_is_believed_before_the_map() {
-        let located = located();
+        let located = in_a_row();
         let mut chart = Chart::default();
         let end = |visited_ns, bearing_rad| WayEnd { visited_ns, bearing_rad };
         let mut leads_to = |to: Option<u64>| {
@@ -232,5 +262,41 @@ mod tests {
         assert_eq!(leads_to(Some(2)), Some((1, 20.0)), "a place may have been passed unnoticed");
         assert_eq!(leads_to(Some(2)), Some((2, 30.0 + LINK_EXTRA_M)), "the map is wrong");
         assert_eq!(leads_to(Some(1)), Some((1, 20.0)), "the map is right again");
+    }
+
+    /// Places of a trail along x, 0.4 m apart.
+    fn along_x(from_m: f64, to_m: f64) -> Vec<Point2<f64>> {
+        let steps = ((to_m - from_m).abs() / 0.4) as i32;
+        (0..=steps).map(|step| Point2::new(from_m + (to_m - from_m).signum() * 0.4 * f64::from(step), 0.0)).collect()
+    }
+
+    #[test]
+    fn a_trail_up_to_a_mouth_does_not_lead_through_it() {
+        let way = NodeWay { bearing_rad: 0.0, width_m: 3.0, taken: false, passage: None };
+        let there_and_back = [along_x(0.0, 7.0), along_x(7.0, 0.0)].concat();
+        for (trail_m, is_through) in [
+            (along_x(0.0, 12.0), true),
+            (along_x(12.0, 0.0), true),
+            (there_and_back, false),
+            (along_x(7.0, 30.0), false),
+        ] {
+            assert_eq!(is_on_trail(Point2::origin(), &way, &trail_m), is_through, "{:?}", trail_m.first());
+        }
+    }
+
+    #[test]
+    fn a_way_flown_from_a_start_midway_alone_is_new() {
+        let located = in_a_row();
+        let mut chart = Chart::default();
+        let state = |chart: &Chart, from_m: f64| {
+            let known = chart.known(&located, &along_x(from_m, 20.0), &[], 0.0);
+            known.places[0].ways[2].state
+        };
+        assert_eq!(state(&chart, -20.0), WayState::Taken);
+        chart.begins_midway = true;
+        assert_eq!(state(&chart, -20.0), WayState::New);
+        assert_eq!(state(&chart, 1.0), WayState::Taken, "the start is within the place");
+        chart.note(WayEnd::new(&located, 3.1), Noted::Taken);
+        assert_eq!(state(&chart, -20.0), WayState::Taken);
     }
 }

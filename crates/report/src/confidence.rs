@@ -19,7 +19,7 @@ use std::f64::consts::{FRAC_PI_4, TAU};
 use crosscut_stage::{Junction, Opening, Revolution, Verdict, Wall, wrap_angle_rad};
 
 use crate::odds;
-use crate::openings::Edge;
+use crate::openings::{self, Edge};
 use crate::outline::Outline;
 
 /// Clearances are limited to these multiples of the vehicle's width.
@@ -33,7 +33,7 @@ const MOST_ISLAND: f64 = 3.0;
 /// The margin is limited to this.
 const MARGIN_DECADES: f64 = 1.0;
 /// β.
-pub const BETA: [f64; Grounds::INPUTS] = [-1.26, 0.56, 0.31, -0.38, 2.11, -0.35, 1.11];
+pub const BETA: [f64; Grounds::INPUTS] = [-1.27, 0.56, 0.31, -0.38, 2.12, -0.34, 1.12];
 
 /// Returns up to this far apart, 90 a turn with room for rounding, show walls as lines; fewer do not.
 pub(crate) const COARSE_RAD: f64 = TAU / 89.5;
@@ -59,7 +59,7 @@ pub struct Grounds {
     /// g: how far a wall leaves its own line at a gap, or how deep the space behind the gap is, if that is less,
     /// metres; the most of all gaps of the vehicle's width.
     pub most_within_walls_m: f64,
-    /// φ: the least angle between the bearings of two openings.
+    /// φ: the least angle between the bearings of two openings, or of two gaps that are seen through a doorway.
     pub apart_rad: f64,
     /// i: how long the longest pillar in view is seen to be, metres; 0 without one. What stands behind its ends is hidden: it may
     /// be the end of a wall.
@@ -104,15 +104,23 @@ impl Grounds {
             odds: odds::of_answer(verdicts, answer),
             least_at_openings_m: f64::INFINITY,
             most_within_walls_m: 0.0,
-            apart_rad: apart_rad(answer),
+            apart_rad: std::f64::consts::PI,
             longest_island_m: longest_island_m(revolution, answer),
             margin_decades,
         };
+        let mut bearings_rad = Vec::new();
         for opening in &answer.openings {
-            let [Some(from), Some(to)] = opening.returns.map(|number| outline.place_of(number?)) else { continue };
-            let clearance_m = Edge::between(outline, [from, to]).clearance_m();
-            grounds.least_at_openings_m = grounds.least_at_openings_m.min(clearance_m);
+            let edges = openings::edges_of(opening, outline);
+            for edge in &edges {
+                grounds.least_at_openings_m = grounds.least_at_openings_m.min(edge.clearance_m());
+            }
+            if opening.gaps.is_empty() {
+                bearings_rad.push(opening.bearing_rad);
+            } else {
+                bearings_rad.extend(edges.iter().map(|edge| edge.opening().0.bearing_rad));
+            }
         }
+        grounds.apart_rad = apart_rad(bearings_rad);
         // No opening within a wall is narrower than the vehicle.
         let others =
             Edge::all(outline, vehicle_width_m).filter(|edge| !is_at_opening(edge.returns(), &answer.openings));
@@ -153,12 +161,12 @@ fn longest_island_m(revolution: &Revolution, answer: &Junction) -> f64 {
     ends_m.map(|[start_m, end_m]| (end_m - start_m).norm()).fold(0.0, f64::max)
 }
 
-/// The least angle between the bearings of two openings; π with fewer than two.
-fn apart_rad(answer: &Junction) -> f64 {
-    let bearings_rad = || answer.openings.iter().map(|opening| opening.bearing_rad);
-    let next = bearings_rad().cycle().skip(1);
-    let apart = bearings_rad().zip(next).map(|(a, b)| wrap_angle_rad(b - a).abs());
-    if answer.openings.len() < 2 { std::f64::consts::PI } else { apart.fold(std::f64::consts::PI, f64::min) }
+/// The least angle between two bearings; π with fewer than two.
+fn apart_rad(mut bearings_rad: Vec<f64>) -> f64 {
+    bearings_rad.sort_by(f64::total_cmp);
+    let next = bearings_rad.iter().cycle().skip(1);
+    let apart = bearings_rad.iter().zip(next).map(|(a, b)| wrap_angle_rad(b - a).abs());
+    if bearings_rad.len() < 2 { std::f64::consts::PI } else { apart.fold(std::f64::consts::PI, f64::min) }
 }
 
 /// The share of right answers among those on such grounds; 0 without any. `outline` holds the walls that are no
@@ -252,19 +260,8 @@ mod tests {
 
     #[test]
     fn openings_are_as_far_apart_as_the_nearest_two_also_across_the_turn() {
-        let opening = |deg: &f64| crosscut_stage::Opening {
-            bearing_rad: deg.to_radians(),
-            width_m: 3.0,
-            walls: [0, 1],
-            returns: [Some(0), Some(1)],
-            evidence: crosscut_stage::Evidence::NoReturn,
-            known: crosscut_stage::Known::Judged,
-            edge_m: [crosscut_stage::Point::origin(); 2],
-            p: None,
-        };
         let apart_deg = |bearings_deg: &[f64]| {
-            let openings = bearings_deg.iter().map(opening).collect();
-            apart_rad(&Junction { openings, ..Junction::default() }).to_degrees().round()
+            apart_rad(bearings_deg.iter().map(|deg| deg.to_radians()).collect()).to_degrees().round()
         };
         assert_eq!(apart_deg(&[-170.0, 0.0, 60.0]), 60.0);
         assert_eq!(apart_deg(&[-170.0, 0.0, 160.0]), 30.0);

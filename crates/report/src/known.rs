@@ -14,7 +14,7 @@
 use crosscut_scan::{LostBeams, is_closed_by_returns};
 use crosscut_stage::{Beam, Junction, Known, KnownGaps, Opening, Verdict};
 
-use crate::openings::{DEPTH_M, Edge};
+use crate::openings::{self, DEPTH_M, Edge};
 use crate::outline::Outline;
 
 /// Sets `known` of each opening of `out`, and counts its gaps.
@@ -22,7 +22,8 @@ pub(crate) fn mark(verdicts: &[Verdict], outline: &Outline, vehicle_width_m: f64
     let lost = lost_within_walls(outline, &out.openings);
     let mut gaps = KnownGaps::default();
     for opening in &mut out.openings {
-        let is_seen = edge_of(opening, outline).is_some_and(|edge| is_seen_through(&edge, lost, vehicle_width_m));
+        let mut edges = openings::edges_of(opening, outline).into_iter();
+        let is_seen = edges.any(|edge| is_seen_through(&edge, lost, vehicle_width_m));
         opening.known = if is_seen { Known::Seen } else { Known::Judged };
         gaps.add(opening.known);
     }
@@ -36,10 +37,6 @@ pub(crate) fn mark(verdicts: &[Verdict], outline: &Outline, vehicle_width_m: f64
 
 fn places([from, to]: [Option<u32>; 2], outline: &Outline) -> Option<[usize; 2]> {
     Some([outline.place_of(from?)?, outline.place_of(to?)?])
-}
-
-fn edge_of<'a>(opening: &Opening, outline: &'a Outline) -> Option<Edge<'a>> {
-    Some(Edge::between(outline, places(opening.returns, outline)?))
 }
 
 /// The beams that came back with nothing between two neighbouring returns of a wall, where no opening is.

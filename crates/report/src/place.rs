@@ -35,6 +35,7 @@ mod tests {
             width_m: 3.0,
             walls: [0, 0],
             returns: [Some(0), Some(1)],
+            gaps: Vec::new(),
             evidence: Evidence::NoReturn,
             known: crosscut_stage::Known::Judged,
             edge_m: [Point::origin(); 2],

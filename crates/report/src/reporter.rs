@@ -194,8 +194,9 @@ impl Reporter {
         for (wall, seen) in out.walls.iter_mut().zip(&seen.walls) {
             wall.island = seen.island;
         }
-        for number in seen.openings.iter_mut().flat_map(|opening| &mut opening.returns).flatten() {
-            *number = view.numbers()[*number as usize];
+        for opening in &mut seen.openings {
+            let ends = opening.returns.iter_mut().flatten();
+            ends.chain(opening.gaps.as_flattened_mut()).for_each(|number| *number = view.numbers()[*number as usize]);
         }
         (out.openings, out.junctions, out.gaps) = (seen.openings, seen.junctions, seen.gaps);
         (out.place, out.confidence) = (seen.place, seen.confidence);

@@ -33,22 +33,39 @@ impl Doorway {
         passage_m: f64,
     ) -> Option<Self> {
         let widest_m = DOORWAY_TIMES * passage_m;
+        // Dust in front of the far wall is no side of a doorway.
+        let step = if anticlockwise { 1 } else { -1 };
+        let is_alone = |other: usize| ring.after(other, step).is_none_or(|next| ring.are_apart(other, next, widest_m));
         let mut last = far;
         let jamb = beyond(ring, [near, far], anticlockwise, widest_m).find(|&other| {
             let before = std::mem::replace(&mut last, other);
             let is_nearer = ring.range_m(other) < ring.range_m(before);
-            is_nearer && ring.are_apart(before, other, passage_m)
+            is_nearer && ring.are_apart(before, other, passage_m) && !is_alone(other)
         })?;
+        let seen =
+            std::iter::once(far).chain(beyond(ring, [near, far], anticlockwise, widest_m)).take_while(|&i| i != jamb);
+        Self::between(ring, [near, jamb], anticlockwise, onward, seen)
+            .filter(|doorway| (passage_m..=widest_m).contains(&doorway.width_m))
+    }
+
+    /// The doorway between the end `near` of a wall, which runs in the unit direction `onward` towards it, and the return
+    /// `other`, `anticlockwise` of it or clockwise, through which the returns `seen` are seen. `None` if `other` is off the
+    /// line of the wall.
+    pub fn between(
+        ring: &Ring,
+        [near, other]: [usize; 2],
+        anticlockwise: bool,
+        onward: Position,
+        seen: impl Iterator<Item = usize>,
+    ) -> Option<Self> {
         let near_m = ring.position_m(near);
-        let across = ring.position_m(jamb) - near_m;
+        let across = ring.position_m(other) - near_m;
         let width_m = across.norm();
-        let is_doorway = (passage_m..=widest_m).contains(&width_m) && onward.dot(&across) >= ALONG * width_m;
         // Seen anticlockwise along the doorway, right is behind it.
         let left_m = |i: usize| across.perp(&(ring.position_m(i) - near_m)) / width_m;
         let behind_m = |i: usize| if anticlockwise { -left_m(i) } else { left_m(i) };
-        let seen =
-            std::iter::once(far).chain(beyond(ring, [near, far], anticlockwise, widest_m)).take_while(|&i| i != jamb);
-        is_doorway.then(|| Self { width_m, behind_m: seen.map(behind_m).fold(f64::INFINITY, f64::min) })
+        let is_in_line = onward.dot(&across) >= ALONG * width_m;
+        is_in_line.then(|| Self { width_m, behind_m: seen.map(behind_m).fold(f64::INFINITY, f64::min) })
     }
 }
 

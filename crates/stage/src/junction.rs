@@ -66,6 +66,9 @@ pub struct Opening {
     /// The returns of these walls beside it, as indices of [`Revolution::points_m`](crate::Revolution::points_m),
     /// clockwise end first; `None` at the end of a limited view that cuts it.
     pub returns: [Option<u32>; 2],
+    /// Of a doorway through which a wall is seen: the gaps on both sides of that wall, each by its returns as above. Empty
+    /// of an opening that is one gap.
+    pub gaps: Vec<[u32; 2]>,
     /// Why it is believed.
     pub evidence: Evidence,
     /// How it is known: seen through, or judged.
@@ -86,7 +89,8 @@ impl Opening {
     /// Whether a gap between two returns, anticlockwise, is this opening or part of it: a stray return inside an opening
     /// splits its edge. The first part begins where the opening begins, the last ends where it ends.
     pub fn shares_end_with(&self, [from, to]: [u32; 2]) -> bool {
-        self.returns[0] == Some(from) || self.returns[1] == Some(to)
+        let is_of_gap = |gap: &[u32; 2]| gap[0] == from || gap[1] == to;
+        self.returns[0] == Some(from) || self.returns[1] == Some(to) || self.gaps.iter().any(is_of_gap)
     }
 
     /// How far the nearer end of its edge is from the sensor, metres. What is far is a glimpse, and decided by few

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use clap::builder::{PathBufValueParser, TypedValueParser as _};
 
-use super::{InputArgs, has_extension};
+use super::InputArgs;
+use super::values::has_extension;
 
 #[derive(Debug, Args)]
 pub(crate) struct ConvertArgs {

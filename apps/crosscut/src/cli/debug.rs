@@ -17,7 +17,7 @@ pub(crate) struct DebugArgs {
     #[command(flatten)]
     pub(crate) config: ConfigArgs,
     /// Begin at this revolution, as `seek N` does.
-    #[arg(long, value_name = "N", value_parser = super::number::<u64>, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = super::values::number::<u64>, allow_negative_numbers = true)]
     pub(crate) at: Option<u64>,
     /// Take and give JSON-RPC 2.0, an object a line, in place of words: the method is the command, its params are the words
     /// after it.

@@ -26,10 +26,10 @@ pub(crate) struct ExploreArgs {
     #[arg(long, value_name = "NAME", default_value = "nearest_frontier")]
     pub(crate) planner: String,
     /// Seed of the world, of the vehicle and of its lidar; the same seed gives the same mission.
-    #[arg(long, default_value_t = 1, value_parser = super::number::<u64>, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 1, value_parser = super::values::number::<u64>, allow_negative_numbers = true)]
     pub(crate) seed: u64,
     /// Number of missions, with the seeds from --seed on. With more than one, a table is printed.
-    #[arg(long, value_name = "N", default_value = "1", value_parser = super::count::<NonZeroUsize>, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", default_value = "1", value_parser = super::values::count::<NonZeroUsize>, allow_negative_numbers = true)]
     pub(crate) count: NonZeroUsize,
     /// Write the outcome: ways, ways_visited, home, crashes, way_m, offline_m, revolutions, the map and more; a list of
     /// outcomes without maps for several missions. `-` is standard output.

@@ -8,7 +8,7 @@ use crosscut_detector::Config;
 use crosscut_ingest::{CsvGeometry, ReadOptions};
 use crosscut_messages::ScanType;
 
-use super::{count, seconds};
+use super::values::{count, seconds};
 
 #[derive(Debug, Args)]
 pub(crate) struct RecordingsArgs {

@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use clap::builder::{PathBufValueParser, TypedValueParser as _};
 use clap::{ArgGroup, Args, ValueEnum};
 
-use super::{SERVED_AT, has_extension};
+use super::SERVED_AT;
+use super::values::has_extension;
 
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Recording")]

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-use super::{seconds, tolerance};
+use super::values::{seconds, tolerance};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum RrdCommand {

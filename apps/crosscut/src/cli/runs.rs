@@ -13,6 +13,6 @@ pub(crate) struct RunsArgs {
     #[arg(long = "where", value_name = "TEXT")]
     pub(crate) contains: Vec<String>,
     /// Compare two runs by their numbers in the list: settings and figures that differ.
-    #[arg(long, num_args = 2, value_names = ["A", "B"], value_parser = super::number::<usize>, allow_negative_numbers = true)]
+    #[arg(long, num_args = 2, value_names = ["A", "B"], value_parser = super::values::number::<usize>, allow_negative_numbers = true)]
     pub(crate) diff: Option<Vec<usize>>,
 }

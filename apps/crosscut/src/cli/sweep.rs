@@ -5,7 +5,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{ConfigArgs, InputArgs, count};
+use super::values::count;
+use super::{ConfigArgs, InputArgs};
 
 #[derive(Debug, Args)]
 pub(crate) struct SweepArgs {

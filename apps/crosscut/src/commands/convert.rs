@@ -11,7 +11,7 @@ use crosscut_stage::counted;
 use crate::cli::convert::ConvertArgs;
 use crate::diagnostics::Diagnostics;
 use crate::exit::{Outcome, UsageError};
-use crate::fly::files_read;
+use crate::fly::{files_read, left_out_of_folders};
 use crate::say::say;
 use crate::{config, interrupt, outputs, progress};
 
@@ -44,5 +44,6 @@ pub(crate) fn convert(args: &ConvertArgs, registry: &Registry) -> anyhow::Result
         diagnostics.lost(format_args!("{} for {topic} cannot be decoded", counted(*count, "message")));
     }
     diagnostics.lost_all(&converted.losses);
+    left_out_of_folders(&converted.left_out).iter().for_each(|note| diagnostics.note(note));
     Ok(diagnostics.outcome())
 }

@@ -5,9 +5,7 @@ use std::path::PathBuf;
 
 use crosscut_detector::Registry;
 use crosscut_evaluate::tables::Table;
-use crosscut_ingest::{
-    CsvGeometry, Description, Parts, ReadOptions, ScanDescription, TopicDescription, TopicInfo, describe, parts_in,
-};
+use crosscut_ingest::{CsvGeometry, Description, ReadOptions, ScanDescription, TopicDescription, TopicInfo, describe};
 use crosscut_outfile::Keep;
 use crosscut_sensor::Sensor;
 use crosscut_stage::{NOTE_CODES, NoteCode, counted};
@@ -16,6 +14,7 @@ use serde_json::{Value, json};
 use crate::cli::InfoArgs;
 use crate::diagnostics::Diagnostics;
 use crate::exit::{Outcome, UsageError};
+use crate::fly::each_of;
 use crate::interrupt::stop_on_interrupt;
 use crate::outputs::Document;
 use crate::say::show;
@@ -39,7 +38,7 @@ pub(crate) fn info(args: &InfoArgs, registry: &Registry) -> anyhow::Result<Outco
     let mut json =
         args.json.as_ref().map(|path| Document::create(path, &args.recordings.input, Keep::ThroughKill)).transpose()?;
     let (mut diagnostics, mut described) = (Diagnostics::default(), Vec::new());
-    let Parts { files, missing, left_out } = parts_in(&args.recordings.input)?;
+    let files = each_of(&args.recordings.input, &mut diagnostics)?;
     let mut alike = Alike::default();
     let (mut scan_topics, mut unknown_topics) = (BTreeMap::new(), BTreeSet::new());
     for part in &files {
@@ -64,10 +63,6 @@ pub(crate) fn info(args: &InfoArgs, registry: &Registry) -> anyhow::Result<Outco
             },
         }
     }
-    diagnostics.lost_all(missing);
-    left_out
-        .iter()
-        .for_each(|path| diagnostics.note(format_args!("{} is of another kind, and left out", path.display())));
     let next = run_line(args, &scan_topics);
     let is_described = !described.is_empty();
     if let Some(out) = &mut json {

@@ -25,13 +25,14 @@ const BEHIND_DOORWAY_TIMES: f64 = 2.0;
 const SLIT_RETURNS: u32 = 2;
 
 /// How much room there is where the farther wall is seen deep behind the nearer one, through a mouth or a doorway. It
-/// is another wall, however straight it continues, unless the wall turns back by more than a right angle.
+/// is another wall, however straight it continues. Past a mouth it is none if it turns back by more than a right angle, or is the
+/// other side of the place, which meets the nearer wall in a corner. Behind a doorway neither can be.
 pub(super) fn room_behind_mouth(gap: &Gap<'_>) -> Option<Measured> {
     let (context, deep_m) = (gap.context, gap.step_m());
-    let goes_on = (-FRAC_PI_2..context.thresholds.straight_rad).contains(&gap.turns.whole_rad);
-    if gap.is_shaded || !goes_on || deep_m < context.passage_m() || gap.shows_other_side() {
+    if gap.is_shaded || gap.turns.whole_rad >= context.thresholds.straight_rad || deep_m < context.passage_m() {
         return None;
     }
+    let turns_back = gap.turns.whole_rad < -FRAC_PI_2;
     let bumps = if gap.turns.near_rad < -MOUTH_RAD { MOUTH_BUMPS } else { SLANT_BUMPS };
     let room = Measured::metres(
         "a wall that closes this mouth would need a step of",
@@ -39,7 +40,8 @@ pub(super) fn room_behind_mouth(gap: &Gap<'_>) -> Option<Measured> {
         "bumps hide steps of up to",
         context.with_bumps_m(MOUTH_M, bumps),
     );
-    if gap.turns.near_rad < -SLANT_RAD && room.ratio() >= 1.0 && gap.fits_vehicle() {
+    let is_mouth = !turns_back && gap.turns.near_rad < -SLANT_RAD && room.ratio() >= 1.0;
+    if is_mouth && !gap.shows_other_side() && gap.fits_vehicle() {
         return Some(room);
     }
     let behind_m = if gap.is_dark { None } else { gap.behind_doorway_m() };

@@ -9,7 +9,7 @@ use nalgebra::{Isometry2, Matrix3, Point2, Vector3};
 use super::Map;
 use super::outline::Walls;
 use super::passed::Passed;
-use super::recognise::Guess;
+use super::recognise::{Guess, Stray};
 use super::travelled::Travelled;
 use super::visit::{OpenVisit, Visit};
 use crate::line_points::line_points;
@@ -42,6 +42,8 @@ pub struct Mapper {
     pub(super) flown: Vec<Flown>,
     /// What is kept of each node to recognise it.
     pub(super) places: Vec<Place>,
+    /// Standard deviation of the first visit as seen from where the flight began; `None` if that is not known.
+    first_sd_m: Option<f64>,
     /// Of each passage: the visit from which it was entered first, and places along it in the frame of that anchor.
     pub(super) courses: Vec<(usize, Vec<Point2<f64>>)>,
     pub(super) last: Option<Departure>,
@@ -54,13 +56,16 @@ pub struct Mapper {
     in_node_doubt: PoseDoubt,
     /// Of the latest pose.
     doubt: PoseDoubt,
-    /// Where visits to which no known way led may have been.
+    /// Where visits of this stretch to which no known way led may have been, and those that were not compared with all places.
     pub(super) guesses: Vec<Guess>,
+    pub(super) strays: Vec<Stray>,
 }
 
 /// The flight between two visits.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Flown {
+    /// Not so between two stretches.
+    pub(super) is_measured: bool,
     /// Standard deviation of where it led; `None` if that is not known.
     pub(super) sd_m: Option<f64>,
     /// Variance of the heading there.
@@ -203,6 +208,15 @@ impl Mapper {
         })
     }
 
+    /// Standard deviation of a pose as tracked now, as seen from where the flight began, by the best way over the places that
+    /// were visited since; `None` if that is not known.
+    pub fn from_start_sd_m(&self, tracked: &Isometry2<f64>) -> Option<f64> {
+        let place_m = Point2::from(tracked.translation.vector);
+        let Some(last) = &self.last else { return self.doubt.from_start_sd_m(place_m) };
+        let between_m = self.flown_to(last.visit).first()?.sd_m?;
+        Some(self.first_sd_m? + between_m + self.doubt.since(&last.doubt)?.sd_m(place_m)?)
+    }
+
     /// The visits up to now as a pose graph: their poses in the map's frame, and what was measured between them.
     pub fn pose_graph(&self) -> PoseGraph {
         self.ended().graph
@@ -220,6 +234,8 @@ impl Mapper {
         self.end_passing();
         self.end_visit(self.in_node_ns, None);
         self.last = None;
+        self.guesses.clear();
+        self.strays.clear();
         self.way.begin_again();
         self.passed.clear();
     }
@@ -253,22 +269,25 @@ impl Mapper {
         if left_to.is_some() && stayed.is_none() && self.is_a_pocket(&visit) {
             return;
         }
-        let walls = Walls::new(&visit.outline);
+        let walls = Arc::new(Walls::new(&visit.outline));
         let number = self.graph.poses.len();
         self.graph.poses.push(predicted);
+        if number == 0 {
+            self.first_sd_m = self.began_doubt.from_start_sd_m(Point2::from(visit.anchor.translation.vector));
+        }
         if let Some(last) = &self.last {
             let way_m = visit.reached_at_m - last.at_m;
             let measured = last.tracked.inv_mul(&visit.anchor);
             let information = information(0.1 + 0.03 * way_m.max(0.0), 0.02 + 0.001 * way_m.max(0.0));
             self.graph.edges.push(Edge { from: last.visit, to: number, measured, information });
             let heading_rad2 = self.began_doubt.since(&last.doubt).map_or(0.0, |since| since.heading_rad2());
-            self.flown.push(Flown { sd_m: self.flown_sd_m(last, &visit), heading_rad2 });
+            self.flown.push(Flown { is_measured: true, sd_m: self.flown_sd_m(last, &visit), heading_rad2 });
         } else if let Some(before) = number.checked_sub(1) {
             // Where the stretch lies is open, until one of its places is recognised.
             let measured = self.graph.poses[before].inv_mul(&predicted);
             let information = information(UNKNOWN_M, UNKNOWN_RAD);
             self.graph.edges.push(Edge { from: before, to: number, measured, information });
-            self.flown.push(Flown { sd_m: None, heading_rad2: 0.0 });
+            self.flown.push(Flown { is_measured: false, sd_m: None, heading_rad2: 0.0 });
         }
         // Of a new node, this is one stay: it is no rival of the place that both may be.
         let found = self.recognise(&visit, &walls, &predicted, stayed.filter(|&last| self.is_new(last)));
@@ -307,8 +326,8 @@ impl Mapper {
         // A flight may begin within its first node.
         let began_m = self.way.via.first().map_or(0.0, |(_, place_m)| (visit.anchor.inverse() * place_m).coords.norm());
         match self.last.take() {
-            // The vehicle never left: of this stay, neither the end before nor this beginning is in a way.
-            Some(last) if last.node == node && !last.is_settled => {
+            // The vehicle never left, or turned at once: of this stay, neither the end before nor this beginning is in a way.
+            Some(last) if last.node == node && (!last.is_settled || Self::only_turned(&last, visit, node)) => {
                 self.map.nodes[node].ways[last.way].taken = last.was_taken;
             }
             Some(last) => {
@@ -380,4 +399,61 @@ pub(super) fn nearest_way(ways_rad: &[f64], direction_rad: f64) -> Option<usize>
 pub(super) fn information(deviation_m: f64, deviation_rad: f64) -> Matrix3<f64> {
     let of = |deviation: f64| 1.0 / (deviation * deviation);
     Matrix3::from_diagonal(&Vector3::new(of(deviation_m), of(deviation_m), of(deviation_rad)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::map::{Node, NodeWay};
+
+    /// Whether the way ahead of a junction counts as taken: the vehicle left by it, and was in the junction again this much of the
+    /// way later.
+    fn is_taken_after(way_m: f64) -> bool {
+        let ways_rad = vec![0.0, 1.6, 3.1];
+        let way = |&bearing_rad: &f64| NodeWay { bearing_rad, width_m: 4.0, taken: bearing_rad == 0.0, passage: None };
+        let ways = ways_rad.iter().map(way).collect();
+        let (position_m, tracked) = (Point2::origin(), Isometry2::identity());
+        let mut mapper = Mapper::default();
+        mapper.map.nodes = vec![Node { kind: HereKind::Junction, position_m, ways, visits: vec![[0, 1], [2, 3]] }];
+        let (walls, belief) = (Arc::new(Walls::new(&[])), BTreeMap::new());
+        mapper.places = vec![Place { walls, ways_rad: ways_rad.clone(), first_visit: 0, belief }];
+        mapper.graph.poses = vec![tracked; 2];
+        mapper.last = Some(Departure {
+            node: 0,
+            way: 0,
+            was_taken: false,
+            is_settled: true,
+            has_middle: false,
+            visit: 0,
+            look_m: 5.0,
+            tracked,
+            at_m: 10.0,
+            left_ns: 1,
+            doubt: PoseDoubt::default(),
+            mouths_m: Vec::new(),
+        });
+        let seen = |bearing_rad| crate::Way { bearing_rad, width_m: 4.0, opening: None };
+        let visit = Visit {
+            kind: HereKind::Junction,
+            has_middle: false,
+            time_ns: [2, 3],
+            anchor: tracked,
+            ways: ways_rad.into_iter().map(seen).collect(),
+            look_m: 5.0,
+            outline: Vec::new(),
+            reached_at_m: 10.0 + way_m,
+            left_at_m: 10.0 + way_m,
+            belief: 10.0,
+            came_from: Point2::new(-3.0, 0.0),
+            left_to: Point2::new(0.0, 3.0),
+        };
+        mapper.connect(&visit, 0, 0.0, 1, true);
+        mapper.map.nodes[0].ways[0].taken
+    }
+
+    #[test]
+    fn a_way_is_not_taken_by_turning_at_once() {
+        assert!(!is_taken_after(6.0));
+        assert!(is_taken_after(40.0));
+    }
 }

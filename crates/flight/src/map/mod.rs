@@ -23,6 +23,7 @@ use crate::HereKind;
 pub use anchored::Anchored;
 pub use mapper::{Located, Mapper};
 pub use no_place::NoPlace;
+pub(crate) use outline::Walls;
 pub use seen::Seen;
 
 /// Junctions and dead ends of a flight, and the passages that were flown between them. Positions and bearings are in the
@@ -140,6 +141,11 @@ impl Map {
     pub fn course_m<'a>(&'a self, passage: &'a Passage) -> impl Iterator<Item = &'a Point2<f64>> {
         let [from, to] = [passage.from, passage.to].map(|node| &self.nodes[node].position_m);
         std::iter::once(from).chain(&passage.via_m).chain([to])
+    }
+
+    /// The node that was visited first.
+    pub fn first_visited(&self) -> Option<usize> {
+        (0..self.nodes.len()).min_by_key(|&node| self.nodes[node].visits.first().map(|visit| visit[0]))
     }
 
     /// How many ways of junctions were not taken.

@@ -24,7 +24,7 @@ const SAME_WAY_RAD: f64 = 0.6;
 pub(super) const FLOWN_WAY_RAD: f64 = 1.0;
 
 impl Mapper {
-    pub(super) fn add_node(&mut self, visit: &Visit, walls: Walls, number: usize) -> usize {
+    pub(super) fn add_node(&mut self, visit: &Visit, walls: Arc<Walls>, number: usize) -> usize {
         let way = |way: &Way| new_way(way.bearing_rad, way.width_m);
         self.map.nodes.push(Node {
             kind: visit.kind,
@@ -33,7 +33,7 @@ impl Mapper {
             visits: Vec::new(),
         });
         self.places.push(Place {
-            walls: Arc::new(walls),
+            walls,
             ways_rad: visit.ways.iter().map(|way| way.bearing_rad).collect(),
             first_visit: number,
             belief: BTreeMap::new(),
@@ -64,7 +64,7 @@ impl Mapper {
     /// Corrects all poses: visit `to` was where `fit` says, as seen from visit `from`.
     fn correct(&mut self, from: usize, to: usize, fit: &Fit) {
         self.graph.edges.push(Edge { from, to, measured: fit.pose, information: information(0.1, 0.02) });
-        self.flown.push(Flown { sd_m: Some(0.0), heading_rad2: 0.0 });
+        self.flown.push(Flown { is_measured: true, sd_m: Some(0.0), heading_rad2: 0.0 });
         // Every pose is joined to the one before, so that the edges determine all of them.
         self.graph.solve().ok();
         self.place_nodes();
@@ -229,6 +229,9 @@ impl Mapper {
         }
         for refused in self.map.refusals.iter_mut().map(|refusal| &mut refusal.node) {
             *refused = moved(*refused);
+        }
+        for guessed in self.guesses.iter_mut().map(|guess| &mut guess.node) {
+            *guessed = moved(*guessed);
         }
         if let Some(last) = &mut self.last {
             if last.node == from {

@@ -23,14 +23,18 @@ impl Mapper {
         }
     }
 
+    /// Whether the vehicle came back to the node that it left without a way in between that is worth a passage.
+    pub(super) fn only_turned(last: &Departure, visit: &Visit, node: usize) -> bool {
+        last.node == node && visit.reached_at_m - last.at_m < TURN_M.max(TURN_LOOKS * visit.look_m)
+    }
+
     /// Adds the passage from the last node to this one, unless it is known or the vehicle only turned.
     pub(super) fn join(&mut self, last: &Departure, visit: &Visit, to: (usize, usize)) {
         let from = (last.node, last.way);
         let length_m = (visit.reached_at_m - last.at_m).max(0.0);
         self.divide(from, to, length_m + visit.look_m);
         let known = [from, to].map(|(node, way)| self.map.nodes[node].ways[way].passage);
-        let is_turn = from.0 == to.0 && length_m < TURN_M.max(TURN_LOOKS * visit.look_m);
-        if known != [None, None] || from == to || is_turn {
+        if known != [None, None] || from == to || Self::only_turned(last, visit, to.0) {
             return;
         }
         let passage = self.map.passages.len();

@@ -1,7 +1,8 @@
 //! Whether a visit is to a place seen before.
 
-use std::collections::{BTreeSet, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use nalgebra::{Isometry2, Point2};
 
@@ -56,9 +57,30 @@ const AGREED_RAD: f64 = 0.15;
 /// Where a stretch lies if a visit of it was to a node.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Guess {
-    node: usize,
+    pub(super) node: usize,
+    /// The number of the node's [group](Mapper::groups): how the places of two groups lie to each other is not known, so that
+    /// they do not agree.
+    group: usize,
     /// Brings tracked poses into the map's frame.
     stretch: Isometry2<f64>,
+}
+
+/// A visit to a place that was not recognised, as it is compared with places of other groups.
+#[derive(Clone, Debug)]
+pub(super) struct Stray {
+    kind: HereKind,
+    anchor: Isometry2<f64>,
+    bearings_rad: Vec<f64>,
+    walls: Arc<Walls>,
+}
+
+/// Places of other groups than that of a visit.
+#[derive(Default)]
+struct Elsewhere {
+    /// Each with its group. Of groups that have enough places to show where a stretch lies.
+    many: Vec<(usize, usize)>,
+    /// Of groups of [`AGREED_PLACES`], which may but contradict: what one of these would have, the stretch has to have more of.
+    pairs: Vec<(usize, usize)>,
 }
 
 /// A place that a visit may be to.
@@ -72,24 +94,24 @@ impl Mapper {
     pub(super) fn recognise(
         &mut self,
         visit: &Visit,
-        walls: &Walls,
+        walls: &Arc<Walls>,
         predicted: &Isometry2<f64>,
         but: Option<usize>,
     ) -> Option<(Candidate, Option<f64>)> {
-        let (mut candidates, mut guesses): (Vec<Candidate>, Vec<Candidate>) = (Vec::new(), Vec::new());
+        let mut candidates: Vec<Candidate> = Vec::new();
+        let bearings_rad: Vec<f64> = visit.ways.iter().map(|way| way.bearing_rad).collect();
         let flown = self.graph.poses.len().checked_sub(1).map_or_else(Vec::new, |last| self.flown_to(last));
+        let mut is_known_from_all = true;
         for (node, place) in self.places.iter().enumerate() {
+            let Flown { sd_m, heading_rad2, .. } = flown[place.first_visit];
+            let Some(sd_m) = sd_m else {
+                is_known_from_all = false;
+                continue;
+            };
             if self.map.nodes[node].kind != visit.kind || Some(node) == but {
                 continue;
             }
-            let Flown { sd_m, heading_rad2 } = flown[place.first_visit];
             let apart = self.graph.poses[place.first_visit].inv_mul(predicted);
-            let Some(sd_m) = sd_m else {
-                let turns = (0..visit.ways.len()).filter_map(|shift| turn_rad(visit, &place.ways_rad, shift));
-                let fits = turns.filter_map(|yaw_rad| place.walls.fit(walls, &Isometry2::rotation(yaw_rad)));
-                guesses.extend(fits.map(|fit| Candidate { node, fit }));
-                continue;
-            };
             let anchors_m = ANCHORS_M.max(ANCHORS_LOOKS * visit.look_m);
             if apart.translation.vector.norm() > anchors_m + DEVIATIONS * sd_m {
                 continue;
@@ -101,7 +123,7 @@ impl Mapper {
             let predicted_rad = apart.rotation.angle();
             let off_rad = |yaw_rad: f64| wrap_angle_rad(yaw_rad - predicted_rad).abs();
             let is_likely = |yaw_rad: &f64| off_rad(*yaw_rad) <= yaw_off_rad;
-            let turns = || (0..visit.ways.len()).filter_map(|shift| turn_rad(visit, &place.ways_rad, shift));
+            let turns = || turns_rad(&bearings_rad, &place.ways_rad);
             let is_turned = |turn_rad: f64| off_rad(turn_rad) > yaw_off_rad + WAYS_APART_RAD;
             if visit.kind == HereKind::DeadEnd && turns().all(is_turned) {
                 continue;
@@ -112,13 +134,58 @@ impl Mapper {
                 candidates.extend(fit.map(|fit| Candidate { node, fit }));
             }
         }
-        guesses.retain(|guess| guess.fit.share >= GUESSED_SHARE);
-        self.decide(visit, candidates).or_else(|| self.agreed(visit, guesses))
+        let decided = self.decide(visit, candidates);
+        if decided.is_some() || is_known_from_all {
+            return decided;
+        }
+        let stray = Stray { kind: visit.kind, anchor: visit.anchor, bearings_rad, walls: Arc::clone(walls) };
+        self.agreed(stray, &self.elsewhere(&flown, but)).map(|candidate| (candidate, None))
+    }
+
+    /// The places to which no known way leads.
+    fn elsewhere(&self, flown: &[Flown], but: Option<usize>) -> Elsewhere {
+        let groups = self.groups();
+        let mut sizes: BTreeMap<usize, usize> = BTreeMap::new();
+        for place in &self.places {
+            *sizes.entry(groups[place.first_visit]).or_default() += 1;
+        }
+        let mut elsewhere = Elsewhere::default();
+        for (node, place) in self.places.iter().enumerate() {
+            if Some(node) == but || flown[place.first_visit].sd_m.is_some() {
+                continue;
+            }
+            let group = groups[place.first_visit];
+            match sizes[&group] {
+                more if more > AGREED_PLACES => elsewhere.many.push((node, group)),
+                AGREED_PLACES => elsewhere.pairs.push((node, group)),
+                _ => {}
+            }
+        }
+        elsewhere
+    }
+
+    /// For each visit the number of its group: within a group it is measured how visits lie to each other.
+    fn groups(&self) -> Vec<usize> {
+        let mut groups: Vec<usize> = (0..self.graph.poses.len()).collect();
+        for (edge, _) in self.graph.edges.iter().zip(&self.flown).filter(|(_, flown)| flown.is_measured) {
+            let first = |mut visit: usize| {
+                while groups[visit] != visit {
+                    visit = groups[visit];
+                }
+                visit
+            };
+            let [from, to] = [edge.from, edge.to].map(first);
+            groups[from.max(to)] = from.min(to);
+        }
+        for visit in 0..groups.len() {
+            groups[visit] = groups[groups[visit]];
+        }
+        groups
     }
 
     /// The best known way from each visit to one of them, over edges of the graph; infinite where there is none that is known.
     pub(super) fn flown_to(&self, visit: usize) -> Vec<Flown> {
-        let unknown = Flown { sd_m: None, heading_rad2: 0.0 };
+        let unknown = Flown { is_measured: false, sd_m: None, heading_rad2: 0.0 };
         let mut flown = vec![unknown; self.graph.poses.len()];
         let mut joined: Vec<Vec<(usize, f64, f64)>> = vec![Vec::new(); flown.len()];
         for (edge, of) in self.graph.edges.iter().zip(&self.flown) {
@@ -127,14 +194,15 @@ impl Mapper {
                 joined[edge.to].push((edge.from, sd_m, of.heading_rad2));
             }
         }
-        flown[visit] = Flown { sd_m: Some(0.0), heading_rad2: 0.0 };
+        flown[visit] = Flown { is_measured: true, sd_m: Some(0.0), heading_rad2: 0.0 };
         // Bellman and Ford's queue: few visits have more than two edges.
         let mut changed = VecDeque::from([visit]);
         while let Some(at) = changed.pop_front() {
-            let Flown { sd_m: Some(sd_m), heading_rad2 } = flown[at] else { continue };
+            let Flown { sd_m: Some(sd_m), heading_rad2, .. } = flown[at] else { continue };
             for &(to, more_m, more_rad2) in &joined[at] {
                 if flown[to].sd_m.is_none_or(|known_m| sd_m + more_m < known_m) {
-                    flown[to] = Flown { sd_m: Some(sd_m + more_m), heading_rad2: heading_rad2 + more_rad2 };
+                    let heading_rad2 = heading_rad2 + more_rad2;
+                    flown[to] = Flown { is_measured: true, sd_m: Some(sd_m + more_m), heading_rad2 };
                     changed.push_back(to);
                 }
             }
@@ -144,34 +212,57 @@ impl Mapper {
 
     /// Of places that a visit may be to although no known way leads there: the one that agrees with what other visits since
     /// may have been to. Three places in their right relation are no chance, unless places stand in a row; one may look like many.
-    fn agreed(&mut self, visit: &Visit, guesses: Vec<Candidate>) -> Option<(Candidate, Option<f64>)> {
-        let guess = |candidate: &Candidate| {
-            let stretch = self.graph.poses[self.places[candidate.node].first_visit] * candidate.fit.pose;
-            Guess { node: candidate.node, stretch: stretch * visit.anchor.inverse() }
-        };
-        let made: Vec<Guess> = guesses.iter().map(guess).collect();
+    fn agreed(&mut self, visit: Stray, elsewhere: &Elsewhere) -> Option<Candidate> {
         let place_m = Point2::from(visit.anchor.translation.vector);
-        let is_one = |of: &Guess, other: &Guess| {
-            let off_rad = of.stretch.rotation.angle_to(&other.stretch.rotation).abs();
-            off_rad < AGREED_RAD && (of.stretch * place_m - other.stretch * place_m).norm() < ANCHORS_M
-        };
-        let agreeing = |of: &Guess| {
-            let others = self.guesses.iter().filter(|other| other.node != of.node && is_one(of, other));
-            others.map(|other| other.node).collect::<BTreeSet<_>>().len()
-        };
-        let agreed: Vec<usize> = (0..made.len()).filter(|&at| agreeing(&made[at]) >= AGREED_PLACES).collect();
-        let leads = |at: usize| {
-            let rivals = self.guesses.iter().filter(|other| !is_one(&made[at], other));
-            rivals.map(agreeing).all(|rival| agreeing(&made[at]) >= rival + AGREED_LEAD)
-        };
-        let found = match agreed[..] {
-            [one] if leads(one) => guesses.into_iter().nth(one),
+        let (candidates, made): (Vec<Candidate>, Vec<Guess>) =
+            self.resembling(&visit, &elsewhere.many).into_iter().unzip();
+        let agrees = |of: &&Guess| self.agreeing(of, &place_m) >= AGREED_PLACES;
+        let found = match made.iter().enumerate().filter(|(_, of)| agrees(of)).collect::<Vec<_>>()[..] {
+            [(at, of)] => {
+                let strays = std::mem::take(&mut self.strays);
+                let rivals = strays.iter().flat_map(|stray| self.resembling(stray, &elsewhere.pairs));
+                let rivals: Vec<Guess> = rivals.map(|(_, guess)| guess).collect();
+                self.guesses.extend(rivals);
+                self.leads(of, &place_m).then_some(at)
+            }
             _ => None,
         };
+        if let Some(at) = found {
+            self.guesses.clear();
+            self.strays.clear();
+            return candidates.into_iter().nth(at);
+        }
         self.guesses.extend(made);
-        let found = found?;
-        self.guesses.clear();
-        Some((found, None))
+        self.strays.push(visit);
+        None
+    }
+
+    /// Of places to which no known way leads, those that a visit may be to, each with where its stretch then lies.
+    fn resembling(&self, visit: &Stray, places: &[(usize, usize)]) -> Vec<(Candidate, Guess)> {
+        let of_kind = places.iter().filter(|(node, _)| self.map.nodes[*node].kind == visit.kind);
+        let resembling = of_kind.flat_map(|&(node, group)| {
+            let place = &self.places[node];
+            let fits = turns_rad(&visit.bearings_rad, &place.ways_rad)
+                .filter_map(|rad| place.walls.fit(&visit.walls, &Isometry2::rotation(rad)));
+            fits.filter(|fit| fit.share >= GUESSED_SHARE).map(move |fit| {
+                let stretch = self.graph.poses[place.first_visit] * fit.pose * visit.anchor.inverse();
+                (Candidate { node, fit }, Guess { node, group, stretch })
+            })
+        });
+        resembling.collect()
+    }
+
+    /// How many other places other visits may be to if the stretch lies where a guess has it.
+    fn agreeing(&self, of: &Guess, place_m: &Point2<f64>) -> usize {
+        let others = self.guesses.iter().filter(|other| other.node != of.node && of.is_one(other, place_m));
+        others.map(|other| other.node).collect::<BTreeSet<_>>().len()
+    }
+
+    /// Whether more places agree on a guess than on any other.
+    fn leads(&self, of: &Guess, place_m: &Point2<f64>) -> bool {
+        let agreeing = self.agreeing(of, place_m);
+        let mut rivals = self.guesses.iter().filter(|other| !of.is_one(other, place_m));
+        rivals.all(|rival| agreeing >= self.agreeing(rival, place_m) + AGREED_LEAD)
     }
 
     fn decide(&mut self, visit: &Visit, mut candidates: Vec<Candidate>) -> Option<(Candidate, Option<f64>)> {
@@ -217,6 +308,15 @@ impl Mapper {
     }
 }
 
+impl Guess {
+    /// Whether both have the stretch lie at the same place, by where they have this place of it.
+    fn is_one(&self, other: &Self, place_m: &Point2<f64>) -> bool {
+        let off_rad = self.stretch.rotation.angle_to(&other.stretch.rotation).abs();
+        let off_m = (self.stretch * place_m - other.stretch * place_m).norm();
+        self.group == other.group && off_rad < AGREED_RAD && off_m < ANCHORS_M
+    }
+}
+
 impl Candidate {
     /// It is another place than `other`, or the same one turned.
     pub(super) fn is_elsewhere(&self, other: &Self) -> bool {
@@ -226,14 +326,19 @@ impl Candidate {
     }
 }
 
+/// The turns that bring the ways of a visit onto those of a node.
+fn turns_rad<'w>(bearings_rad: &'w [f64], ways_rad: &'w [f64]) -> impl Iterator<Item = f64> + 'w {
+    (0..bearings_rad.len()).filter_map(|shift| turn_rad(bearings_rad, ways_rad, shift))
+}
+
 /// The turn that brings the ways of a visit onto those of a node, way i onto way i + `shift`; `None` if they do not
 /// agree.
-fn turn_rad(visit: &Visit, ways_rad: &[f64], shift: usize) -> Option<f64> {
-    let ways = visit.ways.len();
+fn turn_rad(bearings_rad: &[f64], ways_rad: &[f64], shift: usize) -> Option<f64> {
+    let ways = bearings_rad.len();
     if ways != ways_rad.len() {
         return None;
     }
-    let off_rad = |i: usize| ways_rad[(i + shift) % ways] - visit.ways[i].bearing_rad;
+    let off_rad = |i: usize| ways_rad[(i + shift) % ways] - bearings_rad[i];
     let first_rad = off_rad(0);
     let mean_rad = first_rad + (0..ways).map(|i| wrap_angle_rad(off_rad(i) - first_rad)).sum::<f64>() / ways as f64;
     let agree = (0..ways).all(|i| wrap_angle_rad(off_rad(i) - mean_rad).abs() <= WAYS_APART_RAD);
@@ -285,7 +390,7 @@ mod tests {
             let (walls, ways_rad) = (Arc::new(Walls::new(&dead_end(-1.0))), vec![way_rad(-1.0)]);
             mapper.places = vec![Place { walls, ways_rad, first_visit: 0, belief: BTreeMap::new() }];
             let outline = dead_end(side);
-            let walls = Walls::new(&outline);
+            let walls = Arc::new(Walls::new(&outline));
             let visit = Visit {
                 kind: HereKind::DeadEnd,
                 has_middle: true,

@@ -4,8 +4,9 @@ use std::collections::BTreeSet;
 
 use crosscut_evaluate::maps::MapTruth;
 use crosscut_flight::{FlightAnswer, Here, HereKind, Map, Mapper, Steady, Way};
-use crosscut_simulator::Plan;
+use crosscut_messages::Time;
 use crosscut_simulator::network::{Network, Point};
+use crosscut_simulator::{Plan, Scene};
 use crosscut_stage::{Frame, Revolution};
 use nalgebra::{Isometry2, Vector2};
 
@@ -260,6 +261,20 @@ fn a_stretch_beyond_a_gap_joins_again_by_three_places() {
     // The first two places of the stretch lie, by a guess, near those that they are; the third one decides.
     let is_by_position = |merge: &&crosscut_flight::Merge| merge.why.starts_with("after the correction");
     assert_eq!(map.merges[..3].iter().filter(is_by_position).count(), 0, "{:#?}", map.merges);
+}
+
+#[test]
+fn stretches_of_two_places_prove_nothing_to_each_other() {
+    // The first minute of a flight, three times: from the end of each, all at once back at the beginning.
+    let minute: Vec<Scene> = (scenario("mine").fly)(1).take(600).collect();
+    let (follower, mut mapper) = (&mut Follower::default(), Mapper::default());
+    for (at, scene) in minute.iter().cycle().take(3 * minute.len()).enumerate() {
+        let mut scene = scene.clone();
+        scene.scan.header.stamp = Time::from_ns(100_000_000 * at as u64);
+        mapper.add(follower.follow(&scene));
+    }
+    let map = mapper.map();
+    assert!(map.nodes.len() >= 6 && map.merges.is_empty(), "{}: {:?}", map.summary(), map.merges);
 }
 
 /// The map of a flight through a plan as long as `lasts` is true of its places, and the errors of that map.

@@ -46,7 +46,7 @@ pub struct Step {
     pub command: Command,
     /// Where it is heading for, as tracked.
     pub goal_m: Point2<f64>,
-    /// Brings tracked poses into the frame of the map, as it was at the last decision.
+    /// Brings tracked poses into the frame of the map.
     pub correction: Isometry2<f64>,
     /// What it is doing, in a word.
     pub doing: &'static str,

@@ -45,6 +45,7 @@ impl Navigator {
                 let in_view = steady.map_or_else(Vec::new, |here| in_map(&here.ways, pose, &self.correction));
                 self.note_ends(located, frame, pose.rotation.angle() + turn_rad);
                 let trail_m = self.trail.placed_m(&located.visits);
+                self.chart.begins_midway = self.start.leads_on_behind(&trail_m);
                 let known = self.chart.known(located, &trail_m, &in_view, self.course_rad + turn_rad);
                 self.note_link(located, &known);
                 let known = self.chart.known(located, &trail_m, &in_view, self.course_rad + turn_rad);
@@ -67,7 +68,7 @@ impl Navigator {
         };
         let bearing_rad = wrap_angle_rad(bearing_rad);
         self.course_rad = bearing_rad;
-        self.is_armed = false;
+        (self.is_armed, self.is_elsewhere) = (false, false);
         let (at_m, way_m) = (here_m, self.way_m);
         self.left = Some(Left { at_m, bearing_rad, look_m, kind, place, really_rad: None, way_m });
         self.doing = Doing::Leave { began: self.now };
@@ -82,7 +83,6 @@ impl Navigator {
             let bearing_rad = ways.get(choice.way).map_or(known.heading_rad + PI, |way| way.bearing_rad);
             (Some(choice.way), bearing_rad, choice.why)
         };
-        let first_m = *self.first_m.get_or_insert(known.places[known.here].position_m);
         if let Some(choice) = self.planner.choose(known) {
             self.goes_home = false;
             return by(choice);
@@ -91,8 +91,7 @@ impl Navigator {
             self.last_new = self.now; // the way home has its own limit
         }
         self.goes_home = true;
-        let off_m = |place: usize| (known.places[place].position_m - first_m).norm();
-        let first = (0..known.places.len()).min_by(|&a, &b| off_m(a).total_cmp(&off_m(b))).unwrap_or(0);
+        let first = located.map.first_visited().unwrap_or(0);
         if let Some(Route { way, length_m, .. }) = known.route(|place| place == first) {
             return by(Choice { way, why: format!("no way is left to take; home is {length_m:.0} m away") });
         }
@@ -166,4 +165,26 @@ fn is_seen_to_end(revolution: &Revolution, bearing_rad: f64) -> bool {
         near += u32::from(range_m.is_finite());
     }
     all > 0 && f64::from(near) > 0.8 * f64::from(all)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chart::tests::in_a_row;
+    use crate::planner::planners;
+    use crate::{Limits, Navigator};
+
+    #[test]
+    fn home_is_beyond_the_place_visited_first_wherever_decided_first() {
+        let limits = Limits { speed_max_m_s: 1.5, turn_rate_max_rad_s: 1.0, radius_m: 0.3 };
+        let mut navigator = Navigator::new((planners()[0].new)(), limits);
+        let trail_m = [Point2::new(-10.0, 0.0), Point2::new(0.0, 0.0), Point2::new(20.0, 0.0)];
+        let mut why = |node: usize| {
+            let located = Located { node, ..in_a_row() };
+            let known = navigator.chart.known(&located, &trail_m, &[], 0.0);
+            navigator.choose(&located, &known, &trail_m).2
+        };
+        assert_eq!(why(1), "no way is left to take; home is 20 m away");
+        assert!(why(0).starts_with("no way is left to take; back the way that it came"), "{}", why(0));
+    }
 }

@@ -12,6 +12,7 @@ use crosscut_flight::{FlightAnswer, HereKind, Mapper};
 use crosscut_stage::{Frame, wrap_angle_rad};
 use nalgebra::{Isometry2, Point2};
 
+use self::homing::Start;
 use crate::chart::{Chart, WayEnd};
 use crate::planner::Planner;
 use crate::steering::towards;
@@ -87,16 +88,19 @@ pub struct Navigator {
     goal_m: Point2<f64>,
     /// Brings tracked poses into the frame of the map.
     correction: Isometry2<f64>,
+    /// Visits that have ended when the correction was made.
+    visits: usize,
     left: Option<Left>,
     /// A passage was seen since the last place.
     is_armed: bool,
     goes_home: bool,
-    /// The kind of the place at the start.
-    home_kind: Option<HereKind>,
+    start: Start,
+    /// What looks like home by the map does not by what is seen: the map is wrong, until the next place.
+    is_elsewhere: bool,
+    /// The corrections by which the walls in view lay on those of the start, and from where.
+    seen_home: Vec<(Isometry2<f64>, Point2<f64>)>,
     /// Revolutions near home on the way there.
     near_home: u64,
-    /// The first place, in the frame of the map.
-    first_m: Option<Point2<f64>>,
     now: u64,
     way_m: f64,
     last_m: Option<Point2<f64>>,
@@ -122,12 +126,14 @@ impl Navigator {
             course_rad: 0.0,
             goal_m: Point2::origin(),
             correction: Isometry2::identity(),
+            visits: 0,
             left: None,
             is_armed: true,
             goes_home: false,
-            home_kind: None,
+            start: Start::default(),
+            is_elsewhere: false,
+            seen_home: Vec::new(),
             near_home: 0,
-            first_m: None,
             now: 0,
             way_m: 0.0,
             last_m: None,
@@ -152,8 +158,9 @@ impl Navigator {
         let field = self.surround.field(here_m);
         self.move_to(here_m);
         self.trail.add(pose, mapper);
+        self.follow_the_map(&pose, mapper);
         let steady = flown.steady_here();
-        if self.is_home(here_m, steady) {
+        if self.is_home(frame, flown.here.as_ref(), &pose, mapper) {
             return self.rests("is home", Some(End::Home));
         }
         if let Some(home_m) = self.home_in_reach(here_m, &field) {
@@ -189,6 +196,14 @@ impl Navigator {
             self.farthest_m = self.farthest_m.max(here_m.coords.norm());
             self.way_m += if moved_m.is_finite() { moved_m } else { 0.0 };
             self.last_m = Some(here_m);
+        }
+    }
+
+    /// At a decision the map takes a stay that goes on to be what it looks like then. Once it has ended, more is known.
+    fn follow_the_map(&mut self, pose: &Isometry2<f64>, mapper: &Mapper) {
+        if mapper.poses().len() != self.visits {
+            self.visits = mapper.poses().len();
+            self.correction = mapper.placed(&mapper.anchored(*pose)) * pose.inverse();
         }
     }
 

@@ -195,6 +195,7 @@ fn fill_junction(seq: u64, walls: &[u32], out: &mut Junction) {
         width_m: 2.0 * h,
         walls,
         returns: [Some(0), Some(1)],
+        gaps: Vec::new(),
         evidence: Evidence::NoReturn,
         known: crosscut_stage::Known::Judged,
         edge_m: [Point::new(a[0], a[1], 0.0), Point::new(b[0], b[1], 0.0)],

@@ -3,7 +3,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crosscut_scan::{Clearance, Doorway, Position, Return};
+use crosscut_scan::{Clearance, DOORWAY_TIMES, Doorway, Position, Return};
 use crosscut_stage::{Beam, Evidence, Known, Opening};
 
 use super::{LOOKOUT_M, WIDENS, bearing_rad, point};
@@ -209,8 +209,34 @@ impl<'a> Edge<'a> {
         (doorway.behind_m > 0.0).then_some(doorway.width_m)
     }
 
+    /// Whether this edge and another one anticlockwise of it begin at the two sides of a doorway: their nearer walls run
+    /// towards each other, a vehicle fits between them, and all that is seen there lies behind them.
+    pub(super) fn is_doorway_to(&self, other: &Self, vehicle_width_m: f64) -> bool {
+        let (outline, sides) = (self.outline, [self.by_range()[0], other.by_range()[0]]);
+        let width_m = outline.ring.distance_m(sides[0].at, sides[1].at);
+        let is_door_wide = (vehicle_width_m..=DOORWAY_TIMES * vehicle_width_m).contains(&width_m);
+        if !is_door_wide || !sides[0].is_clockwise || sides[1].is_clockwise {
+            return false;
+        }
+        let ([from, to], count) = ([self.anticlockwise.at, other.clockwise.at], outline.len());
+        let seen = (0..=(to + count - from) % count).map(|step| (from + step) % count);
+        [[0, 1], [1, 0]].into_iter().all(|[near, far]| {
+            let side = sides[near];
+            let ends = [side.at, sides[far].at];
+            let doorway = side
+                .runs_out(outline, LINE_M)
+                .and_then(|onward| Doorway::between(&outline.ring, ends, side.is_clockwise, onward, seen.clone()));
+            doorway.is_some_and(|doorway| doorway.behind_m > 0.0)
+        })
+    }
+
+    /// The edge from where this one begins to where another one anticlockwise of it ends.
+    pub(super) fn up_to(&self, other: &Self) -> Self {
+        Self { anticlockwise: other.anticlockwise, ..*self }
+    }
+
     /// The opening that the edge is, and the middle of its mouth.
-    pub(super) fn opening(&self) -> (Opening, Position) {
+    pub(crate) fn opening(&self) -> (Opening, Position) {
         let (ends_m, towards) = (self.ends_m(), self.towards());
         let is_ahead = |[a, b]: [Position; 2]| (a + b).dot(&towards) > 0.0;
         let length_m = |[a, b]: [Position; 2]| (a - b).norm();
@@ -224,6 +250,7 @@ impl<'a> Edge<'a> {
             width_m,
             walls: self.walls(),
             returns: self.returns().map(Some),
+            gaps: Vec::new(),
             evidence: if self.is_dark() { Evidence::NoReturn } else { Evidence::SeenThrough },
             known: Known::Judged,
             edge_m: ends_m.map(point),

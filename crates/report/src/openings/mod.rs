@@ -6,7 +6,8 @@
 //! **The affinity decided at gaps**, and walls end where it found an opening ([`OpeningRule::BetweenWalls`]): the
 //! openings are its verdicts. Where an island stands in an opening, the verdicts on both sides of it are one opening.
 //! Without verdicts, every edge between two different walls is one. A way into a room behind a doorway is no wider than
-//! the doorway, with the wall behind it ([`Doorway`](crosscut_scan::Doorway)).
+//! the doorway ([`Doorway`](crosscut_scan::Doorway)). Where the wall behind it is seen, with a gap on each side, both
+//! gaps are one opening, the doorway: whichever way the vehicle takes inside, it goes in through the door.
 //!
 //! **The free space decides** for walls of any other origin ([`OpeningRule::FreeSpace`]), and for one wall all around
 //! without a verdict. An edge is an opening when
@@ -49,7 +50,7 @@
 mod edge;
 mod free_space;
 
-use crosscut_scan::{DOORWAY_TIMES, Position};
+use crosscut_scan::Position;
 use crosscut_stage::{Beam, Evidence, Known, Opening, Point, Revolution, Verdict};
 
 pub(crate) use self::edge::{Edge, WallEnd};
@@ -88,11 +89,11 @@ pub fn find(
     out.clear();
     match rule {
         OpeningRule::BetweenWalls if !verdicts.is_empty() => {
-            out.extend(decided(verdicts, outline).map(|edge| between_walls(&edge, vehicle_width_m)));
+            out.extend(between_walls(decided(verdicts, outline), vehicle_width_m));
         }
         OpeningRule::BetweenWalls if !is_one_wall => {
             let edges = Edge::all(outline, vehicle_width_m).filter(|edge| edge.is_between_walls() && edge.is_known());
-            out.extend(edges.map(|edge| between_walls(&edge, vehicle_width_m)));
+            out.extend(between_walls(edges, vehicle_width_m));
         }
         _ => out.extend(free_space::search(revolution, outline, vehicle_width_m)),
     }
@@ -141,11 +142,41 @@ fn parts(outline: &Outline, [from, to]: [usize; 2]) -> Vec<[usize; 2]> {
     parts
 }
 
-/// The opening at an edge where a wall ends. A way into a room is no wider than its door.
-fn between_walls(edge: &Edge<'_>, vehicle_width_m: f64) -> Opening {
+/// The edges of an opening, of which there are several where a wall is seen through a doorway; none if the view cuts it.
+pub(crate) fn edges_of<'a>(opening: &Opening, outline: &'a Outline) -> Vec<Edge<'a>> {
+    let whole = [opening.returns].into_iter().filter(|_| opening.gaps.is_empty());
+    let gaps = whole.chain(opening.gaps.iter().map(|gap| gap.map(Some)));
+    let places = gaps.filter_map(|[from, to]| Some([outline.place_of(from?)?, outline.place_of(to?)?]));
+    places.map(|pair| Edge::between(outline, pair)).collect()
+}
+
+/// The openings at edges where a wall ends. Those that begin at the two sides of a doorway are one.
+fn between_walls<'a>(edges: impl Iterator<Item = Edge<'a>>, vehicle_width_m: f64) -> Vec<Opening> {
+    let mut edges: Vec<_> = edges.collect();
+    edges.sort_by_key(|edge| edge.clockwise.at);
+    let count = edges.len();
+    let last_behind_doorway = |first: usize| {
+        let others = if edges[first].outline().ring.full_turn { count } else { count - first };
+        (1..others).rev().find(|more| edges[first].is_doorway_to(&edges[(first + more) % count], vehicle_width_m))
+    };
+    let doorways: Vec<_> = (0..count).filter_map(|first| Some((first, last_behind_doorway(first)?))).collect();
+    let doorways_before =
+        |at: usize| doorways.iter().filter(move |(first, more)| (at + count - first) % count <= *more).count();
+    let alone = (0..count).filter(|&at| doorways_before(at) == 0).map(|at| into_branch(&edges[at], vehicle_width_m));
+    // Another doorway may be seen through a doorway.
+    let outermost = doorways.iter().filter(|(first, _)| doorways_before(*first) == 1);
+    let through_doorways = outermost.map(|&(first, more)| {
+        let inside: Vec<_> = (first..=first + more).map(|at| &edges[at % count]).collect();
+        let (opening, _) = inside[0].up_to(inside[more]).opening();
+        Opening { gaps: inside.iter().map(|edge| edge.returns()).collect(), ..opening }
+    });
+    alone.chain(through_doorways).collect()
+}
+
+/// The opening at one edge. A way into a room is no wider than its door.
+fn into_branch(edge: &Edge<'_>, vehicle_width_m: f64) -> Opening {
     let (mut opening, _) = edge.opening();
-    let is_doorway = |m: &f64| (vehicle_width_m..=DOORWAY_TIMES * vehicle_width_m).contains(m);
-    if let Some(doorway_m) = edge.doorway_m(vehicle_width_m).filter(is_doorway) {
+    if let Some(doorway_m) = edge.doorway_m(vehicle_width_m) {
         opening.width_m = opening.width_m.min(doorway_m);
     }
     opening
@@ -186,6 +217,7 @@ fn cut_beside(wall: WallEnd, outline: &Outline, vehicle_width_m: f64) -> Option<
         width_m: turned_m(1.0).normalize().perp(&wall.anchor_m(outline)).abs(),
         walls: [outline.wall(wall.at); 2],
         returns,
+        gaps: Vec::new(),
         evidence: Evidence::NoReturn,
         known: Known::Judged,
         edge_m: edge_m.map(point),

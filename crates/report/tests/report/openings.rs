@@ -174,21 +174,41 @@ fn an_island_in_an_opening_leaves_one_opening_and_a_wall_makes_it_two() {
     assert_eq!(ahead.returns, across.returns.map(Some));
 }
 
-#[test]
-fn ways_into_a_room_are_no_wider_than_its_door() {
-    let scene = [
-        (Segment([-30.0, 1.75], [-0.5, 1.75]), 0),
-        (Segment([0.5, 1.75], [30.0, 1.75]), 1),
+/// A tunnel with a door in its side: walls 0 and 1 are beside it, 2 is the far wall of the room behind it.
+fn side_door(door_m: f64) -> [(Segment, u32); 4] {
+    [
+        (Segment([-30.0, 1.75], [-door_m / 2.0, 1.75]), 0),
+        (Segment([door_m / 2.0, 1.75], [30.0, 1.75]), 1),
         (Segment([-4.0, 8.0], [4.0, 8.0]), 2),
         (Segment([-30.0, -1.75], [30.0, -1.75]), 3),
-    ];
-    let found = openings_by(OpeningRule::BetweenWalls, &scan(&scene, 360, |_| false));
-    let into_room: Vec<_> = found.iter().filter(|opening| opening.walls.contains(&2)).collect();
-    assert_eq!(into_room.len(), 2, "{found:#?}");
-    for opening in into_room {
-        assert!((opening.width_m - 1.0).abs() < 0.1, "{opening:#?}");
+    ]
+}
+
+#[test]
+fn two_gaps_behind_one_door_are_one_opening() {
+    for door_m in [0.8, 1.0, 1.5, 2.0] {
+        let scan = scan(&side_door(door_m), 720, |_| false);
+        let by_walls = openings_by(OpeningRule::BetweenWalls, &scan);
+        let gaps = [PI, 0.0, (1.75 / (door_m / 2.0)).atan(), (-1.75 / (door_m / 2.0)).atan() + PI];
+        let verdicts = gaps.map(|bearing_rad| verdict(&scan.0, bearing_rad, true));
+        for found in [by_walls, openings_with(OpeningRule::BetweenWalls, &scan, &verdicts)] {
+            assert_eq!(found.len(), 3, "{found:#?}");
+            let (door, along): (Vec<_>, Vec<_>) = found.iter().partition(|opening| opening.walls == [1, 0]);
+            assert_opening(door[0], FRAC_PI_2, door_m);
+            assert!(along.iter().all(|opening| opening.width_m > 3.0), "{found:#?}");
+        }
+        // The affinity says that the wall goes on at one of the gaps: the way in by the other is no wider than the door.
+        let found = openings_with(OpeningRule::BetweenWalls, &scan, &verdicts[..3]);
+        assert_eq!(found.len(), 3, "{found:#?}");
+        let into_room = found.iter().find(|opening| opening.walls.contains(&2)).expect("one gap");
+        assert!((into_room.width_m - door_m).abs() < 0.1 * door_m, "{into_room:#?}");
     }
-    assert!(found.iter().filter(|opening| !opening.walls.contains(&2)).all(|ahead| ahead.width_m > 3.0));
+}
+
+#[test]
+fn a_side_passage_wider_than_a_door_may_have_two_openings_at_its_end() {
+    let found = openings_by(OpeningRule::BetweenWalls, &scan(&side_door(3.0), 720, |_| false));
+    assert_eq!(found.len(), 4, "{found:#?}");
 }
 
 #[test]

@@ -47,6 +47,19 @@ proptest! {
 }
 
 #[test]
+fn dust_in_front_of_what_a_doorway_shows_is_not_its_other_side() {
+    let door = [[[2.0, -9.0], [2.0, -1.0]], [[2.0, 1.0], [2.0, 9.0]], [[6.0, -40.0], [6.0, 40.0]]];
+    // One beam meets it, well behind the line of the door.
+    let dust = [[2.9, 0.0], [2.9, 0.025]];
+    let scan = scan(720, &[&door[..], &[dust]].concat());
+    let near_dust = (0..scan.ring.len()).filter(|&i| (scan.ring.position_m(i).x - 2.9).abs() < 1e-6).count();
+    assert_eq!(near_dust, 1);
+    let doorway = Doorway::beside(&scan.ring, ends(&scan, -1.0), true, Position::new(0.0, 1.0), 0.6);
+    let width_m = doorway.expect("its other side is seen").width_m;
+    assert!((width_m - 2.0).abs() < 0.1, "{width_m} m");
+}
+
+#[test]
 fn a_gap_ahead_lies_across_and_one_along_a_wall_does_not() {
     let walls = [[[2.0, -9.0], [2.0, -0.5]], [[2.0, 0.5], [2.0, 6.0]], [[2.0, 7.0], [2.0, 12.0]]];
     let scan = scan(720, &walls);

@@ -12,7 +12,7 @@ use crosscut_evaluate::experiment::{self, Experiment};
 use crosscut_evaluate::flights::FlightFigures;
 use crosscut_evaluate::times::Stopwatch;
 use crosscut_evaluate::{Evaluation, Scoreboard, tables};
-use crosscut_ingest::{Truths, recordings_in};
+use crosscut_ingest::Truths;
 use crosscut_outfile::Keep;
 use serde_json::json;
 
@@ -20,7 +20,7 @@ use crate::cli::EvaluateArgs;
 use crate::configurations::{self, Configuration};
 use crate::diagnostics::Diagnostics;
 use crate::exit::{Outcome, UsageError};
-use crate::fly::{Flight, How, files_read};
+use crate::fly::{Flight, How, each_of, files_read};
 use crate::interrupt::stop_on_interrupt;
 use crate::looking::{Look, Looks, WrongAnswer};
 use crate::outputs::Document;
@@ -37,7 +37,8 @@ pub(crate) fn evaluate(args: &EvaluateArgs, registry: &Registry) -> anyhow::Resu
     let with = if args.with.is_empty() { &default[..] } else { &args.with };
     let columns = configurations::named(with, &args.set, registry)?;
     let read = files_read(&args.input, configurations::files(with))?;
-    let input = recordings_in(&args.input.recordings.input)?;
+    let mut diagnostics = Diagnostics::default();
+    let input = each_of(&args.input.recordings.input, &mut diagnostics)?;
     refuse_equal("families", input.iter().map(|path| family_of(path)))?;
     refuse_equal("configurations", columns.iter().map(|column| column.name.clone()))?;
     if let Some(folder) = &args.draw_wrong {
@@ -47,7 +48,6 @@ pub(crate) fn evaluate(args: &EvaluateArgs, registry: &Registry) -> anyhow::Resu
             wrong::paths(folder, &family, &column.name).iter().try_for_each(|path| outputs::refuse(&[path], &read))?;
         }
     }
-    let mut diagnostics = Diagnostics::default();
     note_changed_scans(&columns, &mut diagnostics);
     let (recordings, revolutions) = with_truth(input, args, &columns, &mut diagnostics)?;
     let mut outputs = Outputs::open(args, &read)?;

@@ -30,7 +30,7 @@ use crate::cli::sweep::SweepArgs;
 use crate::content::{hash, hash_of_file, program};
 use crate::diagnostics::Diagnostics;
 use crate::exit::Outcome;
-use crate::fly::{self, Judge, files_read};
+use crate::fly::{self, Judge, each_of, files_read};
 use crate::interrupt::stop_on_interrupt;
 use crate::looking::Looks;
 use crate::progress;
@@ -53,11 +53,10 @@ struct Task<'a> {
 pub(crate) fn sweep(args: &SweepArgs, registry: &Registry, build: Option<&str>) -> anyhow::Result<Outcome> {
     let grid = Grid::parse(&args.grid)?;
     let configs = grid.configs(&args.config, registry)?;
-    let paths = files_read(&args.input, [])?;
-    output::refuse_overwriting(&args.out, &grid, paths.iter().cloned().chain(args.config.config.clone()))?;
+    output::refuse_overwriting(&args.out, &grid, &files_read(&args.input, args.config.config.clone())?)?;
     let store = Store::open(args.out.join("rows"))?;
     let mut diagnostics = Diagnostics::default();
-    let flights = flights(paths, &mut diagnostics);
+    let flights = flights(each_of(&args.input.recordings.input, &mut diagnostics)?, &mut diagnostics);
     let program = program(build);
     let InputArgs { recordings, topic, from, to, join: _, every } = &args.input;
     let read = format!("{topic:?} {:?} {from:?} {to:?} {every}", recordings.read_as);

@@ -73,15 +73,10 @@ pub(super) fn write(
 }
 
 /// Refuses a folder in which the sweep would replace one of the files `read`.
-pub(super) fn refuse_overwriting(
-    folder: &Path,
-    grid: &Grid,
-    read: impl Iterator<Item = PathBuf>,
-) -> Result<(), UsageError> {
+pub(super) fn refuse_overwriting(folder: &Path, grid: &Grid, read: &[PathBuf]) -> Result<(), UsageError> {
     let pictures = (0..grid.keys.len()).map(|place| picture_name(grid, place));
     let names = ["sweep.csv", "times.csv", "verdicts.json"].map(str::to_owned).into_iter().chain(pictures);
-    let read: Vec<PathBuf> = read.collect();
-    names.map(|name| folder.join(name)).try_for_each(|file| outputs::refuse(&[&file], &read))
+    names.map(|name| folder.join(name)).try_for_each(|file| outputs::refuse(&[&file], read))
 }
 
 fn picture_name(grid: &Grid, place: usize) -> String {

@@ -1,5 +1,7 @@
 //! How doubtful a verdict is: leaks from wall to wall, and what is told.
 
+use std::f64::consts::{PI, TAU};
+
 use crosscut_affinity::passage::KIND;
 use crosscut_stage::{Affinity, Notes, Revolution, Value, Verdict};
 
@@ -97,6 +99,25 @@ fn a_veto_left_out_by_name_is_no_reason_any_more() {
     };
     assert!(reasons(&[]) > 0);
     assert_eq!(reasons(&without("line")), 0);
+}
+
+#[test]
+fn a_dark_patch_in_a_side_wall_is_no_door_though_as_wide_as_one() {
+    let sides = [3.0, -3.0].map(|y_m| [[-30.0, y_m], [30.0, y_m]]);
+    for [x_m, y_m] in [[2.0, 3.0], [-2.0, 3.0], [2.0, -3.0], [-2.0, -3.0]] {
+        let patch = |beam: usize, range_m: Option<f64>| {
+            let (sin, cos) = (-PI + (beam as f64 + 0.5) * TAU / 360.0).sin_cos();
+            let is_lost = |m: f64| (m * cos - x_m).abs() < 0.65 && (m * sin - y_m).abs() < 0.1;
+            range_m.filter(|&m| !is_lost(m))
+        };
+        let walls = |settings: &[_]| components(&scan(&sides, patch), settings).len();
+        assert_eq!((walls(&[]), walls(&without("odds"))), (2, 3), "the patch is at ({x_m}, {y_m})");
+    }
+    // Ahead or behind, in the wall that ends a tunnel, as much darkness is a door.
+    for x_m in [6.0, -6.0] {
+        let face = [[[x_m, -2.0], [x_m, -0.7]], [[x_m, 0.7], [x_m, 2.0]]];
+        assert_eq!(components(&scan(&[&TUNNEL[..], &face].concat(), all), &[]).len(), 2, "{x_m} m ahead");
+    }
 }
 
 #[test]

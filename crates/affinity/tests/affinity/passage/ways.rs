@@ -367,6 +367,21 @@ fn a_wall_that_runs_away_behind_a_door_is_another_one() {
 }
 
 #[test]
+fn a_room_seen_through_a_door_is_no_other_side_of_the_tunnel() {
+    // The room is seen over a wide angle, and its side walls run back towards the line of the wall with the door.
+    for (door_m, deep_m) in [(1.0, 6.0), (1.5, 6.0), (1.8, 6.0), (2.0, 6.0), (2.0, 7.0)] {
+        for side in [1.0, -1.0] {
+            let (near_m, far_m, half_m) = (2.0 * side, (2.0 + deep_m) * side, door_m / 2.0);
+            let door = [[[-30.0, near_m], [-half_m, near_m]], [[half_m, near_m], [30.0, near_m]]];
+            let ends = [[[-4.0, near_m], [-4.0, far_m]], [[4.0, near_m], [4.0, far_m]]];
+            let across = [[[-4.0, far_m], [4.0, far_m]], [[-30.0, -near_m], [30.0, -near_m]]];
+            let found = walls(&scan(&[door, ends, across].concat(), all));
+            assert_eq!(found, 4, "a door of {door_m} m into a room {deep_m} m deep, side {side}");
+        }
+    }
+}
+
+#[test]
 fn a_drift_across_the_end_of_a_narrow_tunnel_is_two_ways_on_though_few_beams_show_that_the_sides_end() {
     // The last returns of the sides are a metre apart and more, and the next beams pass some centimetres behind them.
     for (half_m, ahead_m) in [(0.7, 8.0), (0.8, 9.5), (0.9, 8.5), (1.0, 9.5), (1.2, 9.5)] {
