@@ -71,7 +71,7 @@ pub struct Here {
     pub look_m: f64,
     /// Where the place continues, by bearing ascending.
     pub ways: Vec<Way>,
-    /// A look of 0.6 times this sees as many ways: the vehicle is in the middle of the place, or the place is wider than the
+    /// A look of 0.9 local widths sees as many ways: the vehicle is in the middle of the place, or the place is wider than the
     /// look. Never in a limited view.
     pub is_middle: bool,
     /// The confidence of the revolution, less where a shorter or a longer look sees another place. 0 to 1.

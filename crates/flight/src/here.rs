@@ -60,7 +60,7 @@ const LOOKS: [f64; 3] = [1.0, 0.85, 1.15];
 /// What matters of a ray lies within this many times the look.
 const FARTHEST_REACH: f64 = LOOKS[2] * LEAST_REACH;
 
-/// In the middle of a place, a look that is shorter by this sees its mouths, too.
+/// In the middle of a place, a look of `look_widths` local widths that is shorter by this sees its mouths, too.
 const MIDDLE_LOOKS: f64 = 0.6;
 
 /// A mouth is at least this wide, in local widths.
@@ -150,7 +150,7 @@ impl Places {
         let confidence = junction.confidence.unwrap_or(0.0) * seen * alike as f64 / LOOKS.len() as f64;
         // In a hall that is wider than the look any part is its middle; a limited view shows none, as what it sees behind is not
         // as sure as what lies ahead.
-        let middle_m = (MIDDLE_LOOKS * wanted_m).min(look_m);
+        let middle_m = (MIDDLE_LOOKS * self.look_widths * width_m).min(look_m);
         let middle = outline.place(middle_m, width_m, self.vehicle_width_m, &junction.openings);
         let is_middle = view.full_turn && middle.is_some_and(|middle| middle.ways.len() == ways.len());
         Some(Here { kind, look_m, ways, is_middle, confidence })

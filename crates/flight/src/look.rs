@@ -38,7 +38,7 @@ impl Look {
     pub fn seen_again(&mut self, frame: &Frame, pose: &Isometry2<f64>) -> Option<SeenAgain> {
         let walls = self.walls.get_or_insert_with(|| Arc::new(Walls::new(&self.outline)));
         let view: Vec<LinePoint> = in_view(frame).collect();
-        let fit = walls.fit(&Walls::new(&view), pose.rotation.angle())?;
+        let fit = walls.fit(&Walls::new(&view), &Isometry2::rotation(pose.rotation.angle()))?;
         Some(SeenAgain { pose: fit.pose, share: fit.share })
     }
 }

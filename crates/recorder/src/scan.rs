@@ -221,6 +221,7 @@ mod tests {
                 width_m: 2.0,
                 walls: [0, 1],
                 returns: [Some(0), Some(1)],
+                gaps: Vec::new(),
                 evidence,
                 known: crosscut_stage::Known::Judged,
                 edge_m,

@@ -197,12 +197,13 @@ impl MapTruth {
 
     /// The nearest place and how many of its widths it is away.
     fn nearest(&self, at: &WhereAt) -> Option<(usize, f64)> {
-        let widths = |place: &TruePlace| {
+        let off_m = |place: &TruePlace| {
             let [x_m, y_m] = [0, 1].map(|axis| place.position_m[axis] - at.position_m[axis]);
-            x_m.hypot(y_m) / place.width_m
+            x_m.hypot(y_m)
         };
-        let places = self.places.iter().map(widths).enumerate();
-        places.min_by(|a, b| a.1.total_cmp(&b.1))
+        let places = self.places.iter().map(off_m).enumerate();
+        let (place, off_m) = places.min_by(|a, b| a.1.total_cmp(&b.1))?;
+        Some((place, off_m / self.places[place].width_m))
     }
 
     fn within(&self, at: &WhereAt, widths: f64) -> Option<usize> {

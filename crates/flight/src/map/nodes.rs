@@ -176,7 +176,7 @@ impl Mapper {
             let fits = near.into_iter().filter_map(|node| {
                 let place = &self.places[node];
                 let apart = self.graph.poses[place.first_visit].inv_mul(&self.graph.poses[of.first_visit]);
-                place.walls.fit(&of.walls, apart.rotation.angle()).map(|fit| Candidate { node, fit })
+                place.walls.fit(&of.walls, &apart).map(|fit| Candidate { node, fit })
             });
             let mut candidates: Vec<Candidate> = fits.collect();
             candidates.sort_by(|a, b| b.fit.share.total_cmp(&a.fit.share));

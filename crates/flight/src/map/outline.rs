@@ -22,9 +22,9 @@ const KERNEL_M: f64 = 0.3;
 
 const ITERATIONS: usize = 15;
 
-/// The anchors of two visits of one place, a wide chamber too, lie within this of each other, along each axis; starts are a
-/// step apart.
-const APART_M: f64 = 5.0;
+/// Where the anchors of two visits of one place lie to each other is known to within this, along each axis; starts are a step
+/// apart.
+pub(super) const APART_M: f64 = 5.0;
 const START_STEP_M: f64 = 1.0;
 
 /// The starts from which a fit is looked for: the best by [`Squares`].
@@ -73,13 +73,13 @@ impl Walls {
         Self { map, points, squares, reach_m, sight_m }
     }
 
-    /// The best fit of `other` on these walls, turned by about `yaw_rad`.
-    pub(crate) fn fit(&self, other: &Self, yaw_rad: f64) -> Option<Fit> {
+    /// The best fit of `other` on these walls, about there: within [`APART_M`] along each axis.
+    pub(crate) fn fit(&self, other: &Self, about: &Isometry2<f64>) -> Option<Fit> {
         let steps = (APART_M / START_STEP_M) as i32;
         let offsets = (-steps..=steps).flat_map(|x| (-steps..=steps).map(move |y| (x, y)));
         let starts = offsets.map(|(x, y)| {
             let offset_m = Vector2::new(f64::from(x), f64::from(y)) * START_STEP_M;
-            Isometry2::new(offset_m, yaw_rad)
+            Isometry2::new(about.translation.vector + offset_m, about.rotation.angle())
         });
         let mut starts: Vec<_> = starts.map(|start| (self.squares.hits(&other.points, &start), start)).collect();
         starts.sort_by_key(|(hits, _)| std::cmp::Reverse(*hits));
@@ -88,7 +88,8 @@ impl Walls {
             let shares = [self.share_on(other, &pose), other.share_on(self, &pose.inverse())];
             Fit { pose, share: shares[0].min(shares[1]) }
         });
-        let is_near = |fit: &Fit| fit.pose.translation.vector.amax() <= APART_M + START_STEP_M;
+        let off_m = |fit: &Fit| fit.pose.translation.vector - about.translation.vector;
+        let is_near = |fit: &Fit| off_m(fit).amax() <= APART_M + START_STEP_M;
         fits.filter(is_near).max_by(|a, b| a.share.total_cmp(&b.share))
     }
 
@@ -202,7 +203,10 @@ mod tests {
     }
 
     fn share_with(more: Vec<LinePoint>) -> f64 {
-        Walls::new(&room()).fit(&Walls::new(&[room(), more].concat()), 0.0).expect("both have walls").share
+        Walls::new(&room())
+            .fit(&Walls::new(&[room(), more].concat()), &Isometry2::identity())
+            .expect("both have walls")
+            .share
     }
 
     #[test]

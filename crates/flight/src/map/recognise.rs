@@ -9,7 +9,7 @@ use nalgebra::{Isometry2, Point2};
 use crosscut_stage::wrap_angle_rad;
 
 use super::mapper::Flown;
-use super::outline::{Fit, Walls};
+use super::outline::{APART_M, Fit, Walls};
 use super::visit::Visit;
 use super::{Mapper, Refusal};
 use crate::HereKind;
@@ -116,6 +116,8 @@ impl Mapper {
             if apart.translation.vector.norm() > anchors_m + DEVIATIONS * sd_m {
                 continue;
             }
+            // A fit reaches no farther than `APART_M`: all of `anchors_m` on the side where the pose takes the anchor to be.
+            let about_m = apart.translation.vector.cap_magnitude((anchors_m - APART_M).max(0.0));
             let yaw_off_rad = (HEADING_RAD + DEVIATIONS * heading_rad2.sqrt()).min(PI);
             // A way may have been missed on one of the visits: then the walls alone tell. A dead end has but one.
             let predicted_rad = apart.rotation.angle();
@@ -127,7 +129,8 @@ impl Mapper {
                 continue;
             }
             for yaw_rad in turns().filter(is_likely).chain([predicted_rad]) {
-                let fit = place.walls.fit(walls, yaw_rad).filter(|fit| is_likely(&fit.pose.rotation.angle()));
+                let fit = place.walls.fit(walls, &Isometry2::new(about_m, yaw_rad));
+                let fit = fit.filter(|fit| is_likely(&fit.pose.rotation.angle()));
                 candidates.extend(fit.map(|fit| Candidate { node, fit }));
             }
         }
@@ -239,8 +242,8 @@ impl Mapper {
         let of_kind = places.iter().filter(|(node, _)| self.map.nodes[*node].kind == visit.kind);
         let resembling = of_kind.flat_map(|&(node, group)| {
             let place = &self.places[node];
-            let fits =
-                turns_rad(&visit.bearings_rad, &place.ways_rad).filter_map(|rad| place.walls.fit(&visit.walls, rad));
+            let fits = turns_rad(&visit.bearings_rad, &place.ways_rad)
+                .filter_map(|rad| place.walls.fit(&visit.walls, &Isometry2::rotation(rad)));
             fits.filter(|fit| fit.share >= GUESSED_SHARE).map(move |fit| {
                 let stretch = self.graph.poses[place.first_visit] * fit.pose * visit.anchor.inverse();
                 (Candidate { node, fit }, Guess { node, group, stretch })
@@ -402,7 +405,7 @@ mod tests {
                 came_from: Point2::origin(),
                 left_to: Point2::origin(),
             };
-            let alike = mapper.places[0].walls.fit(&walls, 0.0).expect("both have walls").share;
+            let alike = mapper.places[0].walls.fit(&walls, &Isometry2::identity()).expect("both have walls").share;
             assert!(alike > LEAST_SHARE, "the walls beside them are alike: {alike}");
             let found = mapper.recognise(&visit, &walls, &Isometry2::identity(), None);
             assert_eq!(found.is_some(), is_same, "open towards {side} x");

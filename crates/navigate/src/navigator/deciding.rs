@@ -16,6 +16,9 @@ use crate::trail::way_back_m;
 /// If home is no farther, it need not be by one of the ways of the place, m.
 const STRAIGHT_HOME_M: f64 = 15.0;
 
+/// After this many decisions in a row without a route to a way that is left, the vehicle flies home.
+const MOST_CUT_OFF: u32 = 6;
+
 /// The direction of the way home is that of the place this far along it, m.
 const BACK_M: f64 = 8.0;
 
@@ -84,16 +87,21 @@ impl Navigator {
             (Some(choice.way), bearing_rad, choice.why)
         };
         if let Some(choice) = self.planner.choose(known) {
-            self.goes_home = false;
+            (self.goes_home, self.cut_off) = (false, 0);
             return by(choice);
         }
         if !self.goes_home {
             self.last_new = self.now; // the way home has its own limit
         }
-        self.goes_home = true;
         let first = located.map.first_visited().unwrap_or(0);
+        // On the way back there may be a place from which a route leads to a way that is left.
+        let is_left = (0..known.places.len()).any(|place| known.has_new_way(place));
+        let is_cut_off = is_left && known.here != first && self.cut_off < MOST_CUT_OFF;
+        self.cut_off += u32::from(is_cut_off);
+        self.goes_home = !is_cut_off;
+        let none = if is_cut_off { "no known route leads to a way not taken" } else { "no way is left to take" };
         if let Some(Route { way, length_m, .. }) = known.route(|place| place == first) {
-            return by(Choice { way, why: format!("no way is left to take; home is {length_m:.0} m away") });
+            return by(Choice { way, why: format!("{none}; home is {length_m:.0} m away") });
         }
         // From the first place on, and where the map knows no route, the vehicle flies back the way that it came. Where that
         // led back to a place, it takes another way.
@@ -108,12 +116,10 @@ impl Navigator {
             ways_rad.push(home_rad); // home may lie beside the ways
         }
         match self.chart.homewards(located, &ways_rad, home_rad) {
-            Some(way) => (
-                Some(way),
-                ways_rad[way],
-                format!("no way is left to take; back the way that it came, home in {left_m:.0} m"),
-            ),
-            None => (None, home_rad, "no way is left to take; straight towards home".to_owned()),
+            Some(way) => {
+                (Some(way), ways_rad[way], format!("{none}; back the way that it came, home in {left_m:.0} m"))
+            }
+            None => (None, home_rad, format!("{none}; straight towards home")),
         }
     }
 
@@ -186,5 +192,23 @@ mod tests {
         };
         assert_eq!(why(1), "no way is left to take; home is 20 m away");
         assert!(why(0).starts_with("no way is left to take; back the way that it came"), "{}", why(0));
+    }
+
+    #[test]
+    fn a_mission_cut_off_from_a_new_way_does_not_end_at_home() {
+        let limits = Limits { speed_max_m_s: 1.5, turn_rate_max_rad_s: 1.0, radius_m: 0.3 };
+        let mut navigator = Navigator::new((planners()[0].new)(), limits);
+        let trail_m = [Point2::new(-10.0, 0.0), Point2::new(20.0, 0.0)];
+        let mut goes_home_from = |node: usize| {
+            let mut located = Located { node, ..in_a_row() };
+            located.map.nodes[2].ways[1].taken = false;
+            let known = navigator.chart.known(&located, &trail_m, &[], 0.0);
+            navigator.choose(&located, &known, &trail_m);
+            navigator.goes_home
+        };
+        assert!(!goes_home_from(1), "no route leads to the new way");
+        assert!(goes_home_from(0), "nor from the first place");
+        let often = (0..MOST_CUT_OFF + 1).map(|_| goes_home_from(1)).collect::<Vec<_>>();
+        assert!(often.last() == Some(&true), "{often:?}");
     }
 }

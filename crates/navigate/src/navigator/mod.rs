@@ -94,6 +94,8 @@ pub struct Navigator {
     /// A passage was seen since the last place.
     is_armed: bool,
     goes_home: bool,
+    /// Decisions in a row without a route to a way that is left.
+    cut_off: u32,
     start: Start,
     /// What looks like home by the map does not by what is seen: the map is wrong, until the next place.
     is_elsewhere: bool,
@@ -130,6 +132,7 @@ impl Navigator {
             left: None,
             is_armed: true,
             goes_home: false,
+            cut_off: 0,
             start: Start::default(),
             is_elsewhere: false,
             seen_home: Vec::new(),
