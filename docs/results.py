@@ -201,7 +201,7 @@ def page(results: dict) -> str:
     for name in ("simulated", "places"):
         section = results[name]
         rows = [
-            [family, *(right.get(method) for method in METHODS), "{} to {}".format(*section["interval"][family]["default"])]
+            [family, *(right[method] for method in METHODS), "{} to {}".format(*section["interval"][family]["default"])]
             for family, right in section["right"].items()
         ]
         text = f"Right answers, %, of {section['revolutions']:,} revolutions. The last column is the 95 % interval of `default`."
@@ -216,7 +216,7 @@ def page(results: dict) -> str:
         "auroc": "AUROC",
     }
     rows = [
-        [name, method, *(results[name][measure]["all"].get(method) for measure in measures)]
+        [name, method, *(results[name][measure]["all"][method] for measure in measures)]
         for name in ("simulated", "places")
         for method in METHODS
     ]
@@ -224,7 +224,7 @@ def page(results: dict) -> str:
     parts.append(f"\n## Labels, openings, confidence\n\n{text}\n\n" + table(["scenes", "method", *measures.values()], rows))
 
     effects = results["effects"]
-    rows = [[effect, *(right.get(method) for method in OF_EFFECTS)] for effect, right in effects["right"].items()]
+    rows = [[effect, *(right[method] for method in OF_EFFECTS)] for effect, right in effects["right"].items()]
     text = f"Right answers, %, of {effects['revolutions'] // (len(rows) - 1)} places for each effect."
     parts.append(headed(effects, text, table(["effect", *OF_EFFECTS], rows)))
     mixed = results["mixture"]

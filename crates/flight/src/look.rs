@@ -1,12 +1,10 @@
 //! What was seen around a place, to tell whether it is seen again.
 
-use std::sync::Arc;
-
 use crosscut_stage::Frame;
 use nalgebra::Isometry2;
 
 use crate::line_points::{LinePoint, line_points};
-use crate::map::Walls;
+use crate::map::{Fit, Walls};
 
 /// Line points farther from the sensor than this are left out, m: a pose that is off by little misplaces them.
 const WITHIN_M: f64 = 12.0;
@@ -15,16 +13,7 @@ const WITHIN_M: f64 = 12.0;
 #[derive(Clone, Debug, Default)]
 pub struct Look {
     outline: Vec<LinePoint>,
-    walls: Option<Arc<Walls>>,
-}
-
-/// How the walls in view lie on those of a place.
-#[derive(Clone, Copy, Debug)]
-pub struct SeenAgain {
-    /// Where the vehicle is, in the frame of the place.
-    pub pose: Isometry2<f64>,
-    /// Share of the walls in view that lie on those of the place, and the other way round; the lesser of the two.
-    pub share: f64,
+    walls: Option<Walls>,
 }
 
 impl Look {
@@ -34,12 +23,12 @@ impl Look {
         self.walls = None;
     }
 
-    /// Whether the frame, taken from about `pose` by what is known, sees these walls; `None` where there are too few to tell.
-    pub fn seen_again(&mut self, frame: &Frame, pose: &Isometry2<f64>) -> Option<SeenAgain> {
-        let walls = self.walls.get_or_insert_with(|| Arc::new(Walls::new(&self.outline)));
+    /// How the walls that a frame sees lie on these, if it was taken about in the direction of `pose`; its pose is then in the frame
+    /// of the place. `None` where there are too few walls to tell.
+    pub fn seen_again(&mut self, frame: &Frame, pose: &Isometry2<f64>) -> Option<Fit> {
+        let walls = self.walls.get_or_insert_with(|| Walls::new(&self.outline));
         let view: Vec<LinePoint> = in_view(frame).collect();
-        let fit = walls.fit(&Walls::new(&view), &Isometry2::rotation(pose.rotation.angle()))?;
-        Some(SeenAgain { pose: fit.pose, share: fit.share })
+        walls.fit(&Walls::new(&view), &Isometry2::rotation(pose.rotation.angle()))
     }
 }
 

@@ -7,9 +7,10 @@ use crosscut_stage::{Frame, PoseDoubt, wrap_angle_rad};
 use nalgebra::{Isometry2, Matrix3, Point2, Vector3};
 
 use super::Map;
+use super::agreed::{Guess, Stray};
+use super::flown::Flown;
 use super::outline::Walls;
 use super::passed::Passed;
-use super::recognise::{Guess, Stray};
 use super::travelled::Travelled;
 use super::visit::{OpenVisit, Visit};
 use crate::line_points::line_points;
@@ -59,17 +60,6 @@ pub struct Mapper {
     /// Where visits of this stretch to which no known way led may have been, and those that were not compared with all places.
     pub(super) guesses: Vec<Guess>,
     pub(super) strays: Vec<Stray>,
-}
-
-/// The flight between two visits.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Flown {
-    /// Not so between two stretches.
-    pub(super) is_measured: bool,
-    /// Standard deviation of where it led; `None` if that is not known.
-    pub(super) sd_m: Option<f64>,
-    /// Variance of the heading there.
-    pub(super) heading_rad2: f64,
 }
 
 /// Where the vehicle is on the map.

@@ -1,6 +1,8 @@
 //! The map of a flight: junctions and dead ends, and the passages between them.
 
+mod agreed;
 mod anchored;
+mod flown;
 mod mapper;
 mod no_place;
 mod nodes;
@@ -23,6 +25,7 @@ use crate::HereKind;
 pub use anchored::Anchored;
 pub use mapper::{Located, Mapper};
 pub use no_place::NoPlace;
+pub use outline::Fit;
 pub(crate) use outline::Walls;
 pub use seen::Seen;
 

@@ -7,7 +7,8 @@ use std::sync::Arc;
 use crosscut_stage::wrap_angle_rad;
 use nalgebra::Point2;
 
-use super::mapper::{Flown, Place, information, nearest_way};
+use super::flown::Flown;
+use super::mapper::{Place, information, nearest_way};
 use super::outline::{Fit, Walls};
 use super::recognise::{Candidate, LEAST_LEAD, LEAST_SHARE};
 use super::visit::Visit;

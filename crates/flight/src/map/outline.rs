@@ -39,11 +39,11 @@ const SECTORS: usize = 120;
 
 /// How well one outline lies on another.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Fit {
+pub struct Fit {
     /// The pose of the one in the frame of the other.
-    pub(crate) pose: Isometry2<f64>,
+    pub pose: Isometry2<f64>,
     /// Share of its line points that lie on a wall of the other, and the other way round; the lesser of the two.
-    pub(crate) share: f64,
+    pub share: f64,
 }
 
 /// The walls of a place, around its anchor.

@@ -28,13 +28,13 @@ impl Mapper {
         last.node == node && visit.reached_at_m - last.at_m < TURN_M.max(TURN_LOOKS * visit.look_m)
     }
 
-    /// Adds the passage from the last node to this one, unless it is known or the vehicle only turned.
+    /// Adds the passage from the last node to this one, unless it is known.
     pub(super) fn join(&mut self, last: &Departure, visit: &Visit, to: (usize, usize)) {
         let from = (last.node, last.way);
         let length_m = (visit.reached_at_m - last.at_m).max(0.0);
         self.divide(from, to, length_m + visit.look_m);
         let known = [from, to].map(|(node, way)| self.map.nodes[node].ways[way].passage);
-        if known != [None, None] || from == to || Self::only_turned(last, visit, to.0) {
+        if known != [None, None] || from == to {
             return;
         }
         let passage = self.map.passages.len();

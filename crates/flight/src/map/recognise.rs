@@ -1,14 +1,14 @@
 //! Whether a visit is to a place seen before.
 
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use nalgebra::{Isometry2, Point2};
+use nalgebra::Isometry2;
 
 use crosscut_stage::wrap_angle_rad;
 
-use super::mapper::Flown;
+use super::agreed::Stray;
+use super::flown::Flown;
 use super::outline::{APART_M, Fit, Walls};
 use super::visit::Visit;
 use super::{Mapper, Refusal};
@@ -16,7 +16,7 @@ use crate::HereKind;
 
 /// Anchors of one place lie within this of each other, and within this many looks; within this many standard deviations of
 /// the pose more. Those of all that was flown since the place add up, as a heading that is off is so for all that follows.
-const ANCHORS_M: f64 = 2.5;
+pub(super) const ANCHORS_M: f64 = 2.5;
 const ANCHORS_LOOKS: f64 = 0.75;
 const DEVIATIONS: f64 = 3.0;
 
@@ -42,46 +42,6 @@ const WORTH_NOTING: f64 = 0.55;
 /// Two fits on one node that differ by less are the same.
 const SAME_M: f64 = 1.5;
 const SAME_RAD: f64 = 0.4;
-
-/// A place to which no known way leads is thought of from this share on.
-const GUESSED_SHARE: f64 = 0.85;
-
-/// This many other places have to agree, and this many more than on the stretch lying elsewhere: along a row of places that look
-/// alike, shifted by one, all but one agree.
-const AGREED_PLACES: usize = 2;
-const AGREED_LEAD: usize = 2;
-
-/// Where two visits take a stretch to lie agrees within this.
-const AGREED_RAD: f64 = 0.15;
-
-/// Where a stretch lies if a visit of it was to a node.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Guess {
-    pub(super) node: usize,
-    /// The number of the node's [group](Mapper::groups): how the places of two groups lie to each other is not known, so that
-    /// they do not agree.
-    group: usize,
-    /// Brings tracked poses into the map's frame.
-    stretch: Isometry2<f64>,
-}
-
-/// A visit to a place that was not recognised, as it is compared with places of other groups.
-#[derive(Clone, Debug)]
-pub(super) struct Stray {
-    kind: HereKind,
-    anchor: Isometry2<f64>,
-    bearings_rad: Vec<f64>,
-    walls: Arc<Walls>,
-}
-
-/// Places of other groups than that of a visit.
-#[derive(Default)]
-struct Elsewhere {
-    /// Each with its group. Of groups that have enough places to show where a stretch lies.
-    many: Vec<(usize, usize)>,
-    /// Of groups of [`AGREED_PLACES`], which may but contradict: what one of these would have, the stretch has to have more of.
-    pairs: Vec<(usize, usize)>,
-}
 
 /// A place that a visit may be to.
 pub(super) struct Candidate {
@@ -142,129 +102,6 @@ impl Mapper {
         self.agreed(stray, &self.elsewhere(&flown, but)).map(|candidate| (candidate, None))
     }
 
-    /// The places to which no known way leads.
-    fn elsewhere(&self, flown: &[Flown], but: Option<usize>) -> Elsewhere {
-        let groups = self.groups();
-        let mut sizes: BTreeMap<usize, usize> = BTreeMap::new();
-        for place in &self.places {
-            *sizes.entry(groups[place.first_visit]).or_default() += 1;
-        }
-        let mut elsewhere = Elsewhere::default();
-        for (node, place) in self.places.iter().enumerate() {
-            if Some(node) == but || flown[place.first_visit].sd_m.is_some() {
-                continue;
-            }
-            let group = groups[place.first_visit];
-            match sizes[&group] {
-                more if more > AGREED_PLACES => elsewhere.many.push((node, group)),
-                AGREED_PLACES => elsewhere.pairs.push((node, group)),
-                _ => {}
-            }
-        }
-        elsewhere
-    }
-
-    /// For each visit the number of its group: within a group it is measured how visits lie to each other.
-    fn groups(&self) -> Vec<usize> {
-        let mut groups: Vec<usize> = (0..self.graph.poses.len()).collect();
-        for (edge, _) in self.graph.edges.iter().zip(&self.flown).filter(|(_, flown)| flown.is_measured) {
-            let first = |mut visit: usize| {
-                while groups[visit] != visit {
-                    visit = groups[visit];
-                }
-                visit
-            };
-            let [from, to] = [edge.from, edge.to].map(first);
-            groups[from.max(to)] = from.min(to);
-        }
-        for visit in 0..groups.len() {
-            groups[visit] = groups[groups[visit]];
-        }
-        groups
-    }
-
-    /// The best known way from each visit to one of them, over edges of the graph; infinite where there is none that is known.
-    pub(super) fn flown_to(&self, visit: usize) -> Vec<Flown> {
-        let unknown = Flown { is_measured: false, sd_m: None, heading_rad2: 0.0 };
-        let mut flown = vec![unknown; self.graph.poses.len()];
-        let mut joined: Vec<Vec<(usize, f64, f64)>> = vec![Vec::new(); flown.len()];
-        for (edge, of) in self.graph.edges.iter().zip(&self.flown) {
-            if let Some(sd_m) = of.sd_m {
-                joined[edge.from].push((edge.to, sd_m, of.heading_rad2));
-                joined[edge.to].push((edge.from, sd_m, of.heading_rad2));
-            }
-        }
-        flown[visit] = Flown { is_measured: true, sd_m: Some(0.0), heading_rad2: 0.0 };
-        // Bellman and Ford's queue: few visits have more than two edges.
-        let mut changed = VecDeque::from([visit]);
-        while let Some(at) = changed.pop_front() {
-            let Flown { sd_m: Some(sd_m), heading_rad2, .. } = flown[at] else { continue };
-            for &(to, more_m, more_rad2) in &joined[at] {
-                if flown[to].sd_m.is_none_or(|known_m| sd_m + more_m < known_m) {
-                    let heading_rad2 = heading_rad2 + more_rad2;
-                    flown[to] = Flown { is_measured: true, sd_m: Some(sd_m + more_m), heading_rad2 };
-                    changed.push_back(to);
-                }
-            }
-        }
-        flown
-    }
-
-    /// Of places that a visit may be to although no known way leads there: the one that agrees with what other visits since
-    /// may have been to. Three places in their right relation are no chance, unless places stand in a row; one may look like many.
-    fn agreed(&mut self, visit: Stray, elsewhere: &Elsewhere) -> Option<Candidate> {
-        let place_m = Point2::from(visit.anchor.translation.vector);
-        let (candidates, made): (Vec<Candidate>, Vec<Guess>) =
-            self.resembling(&visit, &elsewhere.many).into_iter().unzip();
-        let agrees = |of: &&Guess| self.agreeing(of, &place_m) >= AGREED_PLACES;
-        let found = match made.iter().enumerate().filter(|(_, of)| agrees(of)).collect::<Vec<_>>()[..] {
-            [(at, of)] => {
-                let strays = std::mem::take(&mut self.strays);
-                let rivals = strays.iter().flat_map(|stray| self.resembling(stray, &elsewhere.pairs));
-                let rivals: Vec<Guess> = rivals.map(|(_, guess)| guess).collect();
-                self.guesses.extend(rivals);
-                self.leads(of, &place_m).then_some(at)
-            }
-            _ => None,
-        };
-        if let Some(at) = found {
-            self.guesses.clear();
-            self.strays.clear();
-            return candidates.into_iter().nth(at);
-        }
-        self.guesses.extend(made);
-        self.strays.push(visit);
-        None
-    }
-
-    /// Of places to which no known way leads, those that a visit may be to, each with where its stretch then lies.
-    fn resembling(&self, visit: &Stray, places: &[(usize, usize)]) -> Vec<(Candidate, Guess)> {
-        let of_kind = places.iter().filter(|(node, _)| self.map.nodes[*node].kind == visit.kind);
-        let resembling = of_kind.flat_map(|&(node, group)| {
-            let place = &self.places[node];
-            let fits = turns_rad(&visit.bearings_rad, &place.ways_rad)
-                .filter_map(|rad| place.walls.fit(&visit.walls, &Isometry2::rotation(rad)));
-            fits.filter(|fit| fit.share >= GUESSED_SHARE).map(move |fit| {
-                let stretch = self.graph.poses[place.first_visit] * fit.pose * visit.anchor.inverse();
-                (Candidate { node, fit }, Guess { node, group, stretch })
-            })
-        });
-        resembling.collect()
-    }
-
-    /// How many other places other visits may be to if the stretch lies where a guess has it.
-    fn agreeing(&self, of: &Guess, place_m: &Point2<f64>) -> usize {
-        let others = self.guesses.iter().filter(|other| other.node != of.node && of.is_one(other, place_m));
-        others.map(|other| other.node).collect::<BTreeSet<_>>().len()
-    }
-
-    /// Whether more places agree on a guess than on any other.
-    fn leads(&self, of: &Guess, place_m: &Point2<f64>) -> bool {
-        let agreeing = self.agreeing(of, place_m);
-        let mut rivals = self.guesses.iter().filter(|other| !of.is_one(other, place_m));
-        rivals.all(|rival| agreeing >= self.agreeing(rival, place_m) + AGREED_LEAD)
-    }
-
     fn decide(&mut self, visit: &Visit, mut candidates: Vec<Candidate>) -> Option<(Candidate, Option<f64>)> {
         candidates.sort_by(|a, b| b.fit.share.total_cmp(&a.fit.share));
         let most = candidates.first()?.fit.share;
@@ -308,15 +145,6 @@ impl Mapper {
     }
 }
 
-impl Guess {
-    /// Whether both have the stretch lie at the same place, by where they have this place of it.
-    fn is_one(&self, other: &Self, place_m: &Point2<f64>) -> bool {
-        let off_rad = self.stretch.rotation.angle_to(&other.stretch.rotation).abs();
-        let off_m = (self.stretch * place_m - other.stretch * place_m).norm();
-        self.group == other.group && off_rad < AGREED_RAD && off_m < ANCHORS_M
-    }
-}
-
 impl Candidate {
     /// It is another place than `other`, or the same one turned.
     pub(super) fn is_elsewhere(&self, other: &Self) -> bool {
@@ -327,7 +155,7 @@ impl Candidate {
 }
 
 /// The turns that bring the ways of a visit onto those of a node.
-fn turns_rad<'w>(bearings_rad: &'w [f64], ways_rad: &'w [f64]) -> impl Iterator<Item = f64> + 'w {
+pub(super) fn turns_rad<'w>(bearings_rad: &'w [f64], ways_rad: &'w [f64]) -> impl Iterator<Item = f64> + 'w {
     (0..bearings_rad.len()).filter_map(|shift| turn_rad(bearings_rad, ways_rad, shift))
 }
 
@@ -350,7 +178,7 @@ mod tests {
     use std::collections::BTreeMap;
     use std::sync::Arc;
 
-    use nalgebra::{Unit, Vector2};
+    use nalgebra::{Point2, Unit, Vector2};
 
     use super::*;
     use crate::Way;

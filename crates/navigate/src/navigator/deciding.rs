@@ -177,13 +177,11 @@ fn is_seen_to_end(revolution: &Revolution, bearing_rad: f64) -> bool {
 mod tests {
     use super::*;
     use crate::chart::tests::in_a_row;
-    use crate::planner::planners;
-    use crate::{Limits, Navigator};
+    use crate::navigator::homing::tests::navigator;
 
     #[test]
     fn home_is_beyond_the_place_visited_first_wherever_decided_first() {
-        let limits = Limits { speed_max_m_s: 1.5, turn_rate_max_rad_s: 1.0, radius_m: 0.3 };
-        let mut navigator = Navigator::new((planners()[0].new)(), limits);
+        let mut navigator = navigator();
         let trail_m = [Point2::new(-10.0, 0.0), Point2::new(0.0, 0.0), Point2::new(20.0, 0.0)];
         let mut why = |node: usize| {
             let located = Located { node, ..in_a_row() };
@@ -196,8 +194,7 @@ mod tests {
 
     #[test]
     fn a_mission_cut_off_from_a_new_way_does_not_end_at_home() {
-        let limits = Limits { speed_max_m_s: 1.5, turn_rate_max_rad_s: 1.0, radius_m: 0.3 };
-        let mut navigator = Navigator::new((planners()[0].new)(), limits);
+        let mut navigator = navigator();
         let trail_m = [Point2::new(-10.0, 0.0), Point2::new(20.0, 0.0)];
         let mut goes_home_from = |node: usize| {
             let mut located = Located { node, ..in_a_row() };

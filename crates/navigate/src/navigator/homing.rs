@@ -150,14 +150,14 @@ impl Navigator {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::Limits;
     use crate::planner::planners;
     use crosscut_flight::Way;
     use crosscut_stage::{Point, Revolution};
 
-    fn navigator() -> Navigator {
+    pub(crate) fn navigator() -> Navigator {
         let limits = Limits { speed_max_m_s: 1.5, turn_rate_max_rad_s: 1.0, radius_m: 0.3 };
         Navigator::new((planners()[0].new)(), limits)
     }
