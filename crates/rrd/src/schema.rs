@@ -191,7 +191,7 @@ entities! {
         "returns in f64, where they do not follow from ranges and `/scan/beams/sweep`";
     SCAN_ODOMETRY: "/scan/odometry", SCALAR, ["x_m, y_m, cos, sin"], "m", Exact, Event,
         "pose by odometry, at each revolution that has one";
-    SCAN_NOTES: "/scan/notes", DOCUMENT, [], "", Exact, Change, "what ingest noted, a line each";
+    SCAN_NOTES: "/scan/notes", DOCUMENT, [], "", Exact, Change, "what ingest noted, a line each, with the code of the note";
     SCAN_MOUNTING: "/scan/mounting", "Transform3D:quaternion", [], "", F32, Once,
         "how the sensor's frame is turned in the body frame";
     SCAN_WALLS: "/scan/walls", LINES_3D, ["point", "axis"], "m", Drawing, Revolution,

@@ -1,6 +1,7 @@
 //! One point cloud to one revolution.
 
 use crosscut_messages::Cloud;
+use crosscut_stage::NoteCode::{N001, N008, N010, N027, N030, N031, N032};
 use crosscut_stage::{Notes, Point, Revolution, counted};
 use nalgebra::{Isometry2, Point2};
 
@@ -33,13 +34,13 @@ impl Sensor {
         let (mut at_sensor, mut near, mut far, mut masked, mut of_other_rings) = (0, 0, 0, 0, 0);
         let slices = !self.rings.is_empty() && !cloud.rings.is_empty();
         if !self.rings.is_empty() && cloud.rings.is_empty() {
-            notes.add("the cloud does not state rings: ingest.rings takes all points");
+            notes.add(N030, "the cloud does not state rings: ingest.rings takes all points");
         }
         let motion =
             motion.filter(|motion| motion.way_m() >= LEAST_WAY_M || motion.turned_rad().abs() >= LEAST_TURN_RAD);
         if let Some(motion) = motion {
             let (turned_deg, way_m) = (motion.turned_rad().to_degrees(), motion.way_m());
-            notes.add(format!(
+            notes.add(N027, format!(
                 "turned by {turned_deg:.1}° and moved by {way_m:.2} m during the scan: points brought to the middle of it"
             ));
         }
@@ -69,16 +70,16 @@ impl Sensor {
                 });
             }
         }
-        let mut note = |count: u64, what: &str| {
+        let mut note = |code, count: u64, what: &str| {
             if count > 0 {
-                notes.add(format!("{} {what}", counted(count, "point")));
+                notes.add(code, format!("{} {what}", counted(count, "point")));
             }
         };
-        note(at_sensor, "at the sensor itself read as no return");
-        note(near, &format!("nearer than min_range_m {} m left out", self.min_range_m));
-        note(far, &format!("beyond max_range_m {} m read as no return", self.max_range_m));
-        note(masked, "in masked sectors left out");
-        note(of_other_rings, "of other rings than ingest.rings left out");
+        note(N031, at_sensor, "at the sensor itself read as no return");
+        note(N008, near, &format!("nearer than min_range_m {} m left out", self.min_range_m));
+        note(N010, far, &format!("beyond max_range_m {} m read as no return", self.max_range_m));
+        note(N001, masked, "in masked sectors left out");
+        note(N032, of_other_rings, "of other rings than ingest.rings left out");
     }
 }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::sync::{Mutex, PoisonError};
 
-use crosscut_stage::{Csr, Embedding, Failure, FailureCause, Frame, Point, Step, Sweep, Verdict};
+use crosscut_stage::{Csr, Embedding, Failure, FailureCause, Frame, NoteCode, Point, Step, Sweep, Verdict};
 use nalgebra::{Complex, Isometry2, Translation2, UnitComplex};
 use pyo3::prelude::*;
 
@@ -102,7 +102,7 @@ fn read_scans(columns: &Columns<'_>) -> PyResult<Vec<Frame>> {
             }
             _ => return Err(wrong("odometry", row, "is not x_m, y_m and the cosine and sine of the yaw")),
         };
-        frame.notes.extend(notes[row].iter().map(String::as_str));
+        frame.notes.extend(notes[row].iter().map(|note| (NoteCode::N101, note.as_str())));
         for (step, ns) in Step::ALL.into_iter().zip(&timings_ns[Step::ALL.len() * row..]) {
             frame.timings.set_ns(step, *ns);
         }

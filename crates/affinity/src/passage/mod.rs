@@ -16,6 +16,7 @@ mod verdict;
 mod widths;
 
 use crosscut_scan::{Directions, LEAST_WALL_RETURNS, Lengths, LevelView, Pieces, Scan};
+use crosscut_stage::NoteCode::{N060, N061, N062, N063};
 use crosscut_stage::{
     Affinity, AffinityStage, Count, Flag, Invariance, Kind, Names, Notes, Number, Params, Point, Revolution,
     StageError, Storage, Sweep, Verdict, counted,
@@ -224,11 +225,11 @@ impl Passage {
         scan.make(sweep, points_m, lengths)?;
         if scan.dust_returns > 0 {
             let dust_returns = counted(scan.dust_returns as u64, "return");
-            notes.add(format!("passage: {dust_returns} in the air (dust, edges of pillars) ignored"));
+            notes.add(N060, format!("passage: {dust_returns} in the air (dust, edges of pillars) ignored"));
         }
         if scan.self_returns > 0 {
             let (inside, inside_m) = (counted(scan.self_returns as u64, "return"), lengths.passage_m / 2.0);
-            notes.add(format!(
+            notes.add(N061, format!(
                 "passage: {inside} within the vehicle, nearer than {inside_m} m (half of affinity.passage_m, which is \
                  vehicle.width_m unless it is set), ignored"
             ));
@@ -255,16 +256,15 @@ impl Passage {
         let Cloud { view, seen, carrying } = &mut buffers;
         view.look(cloud, self.height_m, passage_m);
         if let Some(sweep) = cloud.beams() {
-            notes.add(format!(
-                "passage: sweep of {} beams processed as a cloud of {} beams",
-                sweep.len(),
-                view.beams()
-            ));
+            notes.add(
+                N062,
+                format!("passage: sweep of {} beams processed as a cloud of {} beams", sweep.len(), view.beams()),
+            );
         }
         let aside = cloud.len() - view.level().len();
         if aside > 0 {
             let aside = counted(aside as u64, "return");
-            notes.add(format!("passage: {aside} above or below the vehicle, or within it, ignored"));
+            notes.add(N063, format!("passage: {aside} above or below the vehicle, or within it, ignored"));
         }
         let sweep = view.seen().sweep.as_ref().expect("a view has beams");
         // No leak: carried on to the returns that are not seen, it would become many.
