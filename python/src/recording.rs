@@ -54,7 +54,7 @@ impl Recording {
             csv: CsvGeometry::new(config.params("csv")),
             waiting_bytes: config.waiting_bytes(),
         };
-        let sensor = Sensor::new(config.params("ingest"));
+        let sensor = config.sensor();
         let opened = py.detach(|| Ingest::open(&wanted.paths, &options, sensor));
         Ok(Self { ingest: Mutex::new(opened.map_err(|error| Class::Read.because(py, &error))?) })
     }

@@ -32,7 +32,7 @@ pub(crate) fn info(args: &InfoArgs, registry: &Registry) -> anyhow::Result<Outco
     }
     stop_on_interrupt()?; // which ends a wait for standard input
     let config = args.config.resolve(registry)?;
-    let sensor = Sensor::new(config.params("ingest"));
+    let sensor = config.sensor();
     let csv = CsvGeometry::new(config.params("csv"));
     let options = ReadOptions { read_as: args.recordings.read_as, csv, ..ReadOptions::default() };
     let mut json =

@@ -161,24 +161,6 @@ fn an_answer_of_which_most_beams_are_lost_is_not_sure() {
 }
 
 #[test]
-fn of_a_cloud_a_small_wall_that_the_level_view_does_not_see_is_no_island() {
-    let (mut revolution, mut walls) = scan(&tunnel(), 360, |_| false);
-    let verdicts = verdicts(&revolution, &walls);
-    revolution.sweep = None;
-    for at in 0..5 {
-        revolution.points_m.push(Point::new(0.1 * f64::from(at), 0.0, 2.0)); // the roof
-        walls.push(Some(2));
-    }
-    let (revolution, answer) = answer_by(&[], (revolution, walls), None, &verdicts);
-    assert_eq!(answer.walls.iter().map(|wall| wall.island).collect::<Vec<_>>(), [false; 3]);
-    assert_eq!((answer.place, answer.openings.len()), (Place::Corridor, 2));
-    for opening in &answer.openings {
-        let ends_m = opening.returns.map(|number| revolution.points_m[number.expect("a return") as usize]);
-        assert_eq!(ends_m, opening.edge_m, "returns are those of the cloud");
-    }
-}
-
-#[test]
 fn beams_far_apart_speak_against_any_answer() {
     let with_beams = |beams: usize| grounds_of(scan(&tunnel(), beams, |_| false)).1;
     assert!(with_beams(90) > 0.9, "{}", with_beams(90));
