@@ -7,7 +7,6 @@ use std::sync::{Mutex, PoisonError};
 use crosscut_detector::Config;
 use crosscut_ingest::{CsvGeometry, ReadOptions, Recording as Ingest};
 use crosscut_messages::ScanType;
-use crosscut_sensor::Sensor;
 use crosscut_stage::{Notes, Revolution, Source};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;

@@ -4,9 +4,8 @@ use std::collections::BTreeMap;
 use std::io::{self, Write};
 
 use crosscut_messages::{
-    CDR_ENCODING, Endian, Header, JSON_ENCODING, JSON_SCHEMA_ENCODING, LaserScan, Message,
-    PROTOBUF_ENCODING, SCAN_TOPIC, SCENE_SCHEMA_NAME, SCHEMA_ENCODING, Scene, SceneArrow, SceneLine,
-    SceneText, Time,
+    CDR_ENCODING, Endian, Header, JSON_ENCODING, JSON_SCHEMA_ENCODING, LaserScan, Message, PROTOBUF_ENCODING,
+    SCAN_TOPIC, SCENE_SCHEMA_NAME, SCHEMA_ENCODING, Scene, SceneArrow, SceneLine, SceneText, Time,
 };
 use crosscut_report::{RESULTS_SCHEMA_NAME, RESULTS_SCHEMA_TEXT, ResultsLine};
 use crosscut_sensor::Sensor;

@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 use crosscut_detector::Config;
 use crosscut_flight::{Mapper, NoPlace};
 use crosscut_report::ResultsLine;
-use crosscut_sensor::Sensor;
 use crosscut_stage::Frame;
 
 use crate::answers::AnswersFile;

@@ -5,7 +5,6 @@ use std::path::Path;
 use anyhow::Context;
 use crosscut_detector::Registry;
 use crosscut_outfile::{Keep, Whole};
-use crosscut_sensor::Sensor;
 use crosscut_stage::counted;
 
 use crate::cli::convert::ConvertArgs;

@@ -7,7 +7,6 @@ use crosscut_detector::Registry;
 use crosscut_evaluate::tables::Table;
 use crosscut_ingest::{CsvGeometry, Description, ReadOptions, ScanDescription, TopicDescription, TopicInfo, describe};
 use crosscut_outfile::Keep;
-use crosscut_sensor::Sensor;
 use crosscut_stage::{NOTE_CODES, NoteCode, counted};
 use serde_json::{Value, json};
 

@@ -6,7 +6,6 @@ use std::time::Duration;
 use crosscut_detector::{Config, Registry};
 use crosscut_ingest::{Feed, Following, Truths};
 use crosscut_pipeline::{End, StopFlag};
-use crosscut_sensor::Sensor;
 use crosscut_stage::counted;
 
 use crate::cli::RunArgs;

@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use crosscut_detector::Config;
 use crosscut_flight::check_live;
 use crosscut_ingest::{Following, LiveFeed, ReadOptions, Recording, Truths};
-use crosscut_sensor::Sensor;
 use crosscut_stage::{Notes, Revolution, Source, SourceError, counted};
 
 use super::inputs::left_out_of_folders;

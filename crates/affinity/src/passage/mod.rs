@@ -16,8 +16,8 @@ mod widths;
 
 use crosscut_scan::{Directions, LEAST_WALL_RETURNS, Lengths, Pieces, Scan};
 use crosscut_stage::{
-    Affinity, AffinityStage, Count, Flag, Invariance, Kind, Names, Notes, Number, Params, Revolution,
-    StageError, Storage, Verdict, counted,
+    Affinity, AffinityStage, Count, Flag, Invariance, Kind, Names, Notes, Number, Params, Revolution, StageError,
+    Storage, Verdict, counted,
 };
 
 use chains::Chains;

@@ -21,7 +21,7 @@ fn points_in(path: PathBuf) -> Vec<Vec<[f32; 3]>> {
 }
 
 fn points_of(mcap: &[u8]) -> Vec<Vec<[f32; 3]>> {
-    let mut decoder = ScanDecoder::for_schema(PointCloud2::SCHEMA_NAME, "", "cdr").expect("clouds");
+    let decoder = ScanDecoder::for_schema(PointCloud2::SCHEMA_NAME, "", "cdr").expect("clouds");
     let messages = mcap::MessageStream::new(mcap).expect("an MCAP").map(|message| message.expect("whole"));
     let points = |message: mcap::Message<'_>| {
         let mut decoded = ScanMessage::default();
