@@ -3,7 +3,6 @@
 mod breakpoint;
 mod conformance;
 mod passage;
-mod passage_clouds;
 mod rbf;
 mod threshold;
 
