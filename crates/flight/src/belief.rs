@@ -131,7 +131,8 @@ impl<A: Copy + PartialEq> Belief<A> {
     /// The probability that an answer is right, after what has happened since the last revolution that answered.
     pub(crate) fn confidence(&self, answer: A, since: Since) -> f64 {
         let change = since.change();
-        let believed = (1.0 - change) * of_answer(&self.beliefs, answer) + change / ANSWERS;
+        let all: f64 = self.beliefs.iter().map(|(_, belief)| belief).sum(); // 1 but for rounding, and for answers that were forgotten
+        let believed = (1.0 - change) * (of_answer(&self.beliefs, answer) / all) + change / ANSWERS;
         believed.min((1.0 - change) * of_answer(&self.surest, answer))
     }
 
