@@ -7,9 +7,7 @@
 //! A border return has an edge to the core that reaches it first when clusters are grown one after the other, depth
 //! first, from their first core in beam order: so it joins the cluster in which scikit-learn puts it.
 
-use crosscut_stage::{
-    Affinity, AffinityStage, Count, Invariance, Kind, Notes, Number, Point, Revolution, StageError, Storage,
-};
+use crosscut_stage::{Affinity, AffinityStage, Count, Invariance, Kind, Notes, Number, Point, Revolution, StageError};
 
 use crate::columns::Columns;
 use crate::edges::write_edges;
@@ -29,7 +27,6 @@ pub const KIND: Kind<dyn AffinityStage> = Kind::affinity(
     |params| Box::new(Dbscan { eps_m: params.get(EPS_M), min_points: params.get(MIN_POINTS), ..Dbscan::default() }),
 )
 .params(&[EPS_M.spec, MIN_POINTS.spec])
-.storage(Storage::Sparse(|_, n| n))
 // The order of the returns decides to which of two clusters a border return goes.
 .blind_to(&[Invariance::Translation, Invariance::Rotation, Invariance::Turn, Invariance::Mirror]);
 

@@ -17,7 +17,7 @@ mod widths;
 use crosscut_scan::{Directions, LEAST_WALL_RETURNS, Lengths, Pieces, Scan};
 use crosscut_stage::{
     Affinity, AffinityStage, Count, Flag, Invariance, Kind, Names, Notes, Number, Params, Revolution, StageError,
-    Storage, Verdict, counted,
+    Verdict, counted,
 };
 
 use chains::Chains;
@@ -97,8 +97,6 @@ pub const KIND: Kind<dyn AffinityStage> = Kind::affinity(
     WITHOUT.spec,
     WIDTHS.spec,
 ])
-// On average one more edge to and from a return that is left over.
-.storage(Storage::Sparse(|params, _| 2 * params.get(NEIGHBOURS) + 3))
 .needs_beams()
 // It sees ranges, and the order of the beams.
 .blind_to(&[Invariance::Turn, Invariance::Mirror]);
