@@ -13,7 +13,7 @@
 
 use crosscut_scan::{Lengths, Ring, Scan};
 use crosscut_stage::{
-    Affinity, AffinityStage, Invariance, Kind, Measured, Notes, Number, Revolution, StageError, Storage, Verdict,
+    Affinity, AffinityStage, Invariance, Kind, Measured, Notes, Number, Revolution, StageError, Verdict,
 };
 
 use crate::edges::write_edges;
@@ -36,7 +36,6 @@ pub const KIND: Kind<dyn AffinityStage> = Kind::affinity(
     |params| Box::new(ClearWidth { passage_m: params.get(PASSAGE_M), scan: Scan::default(), next: Vec::new() }),
 )
 .params(&[PASSAGE_M.spec])
-.storage(Storage::Sparse(|_, _| 3))
 .needs_beams()
 // It sees ranges, distances and the order of the beams.
 .blind_to(&[Invariance::Turn, Invariance::Mirror]);

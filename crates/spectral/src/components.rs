@@ -78,11 +78,6 @@ impl SpectralStage for Components {
         });
         Ok(())
     }
-
-    fn memory_bytes(&self, n: usize, _: usize) -> u64 {
-        // A parent, a degree and at most one volume a return.
-        (n as u64).saturating_mul(4 + 8 + 8)
-    }
 }
 
 #[cfg(test)]

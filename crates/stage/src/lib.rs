@@ -29,7 +29,6 @@ mod partition;
 mod pose_doubt;
 mod revolution;
 mod spectrum;
-mod storage;
 mod traits;
 mod unsure;
 
@@ -49,7 +48,6 @@ pub use partition::Partition;
 pub use pose_doubt::{MotionDoubt, PoseDoubt};
 pub use revolution::{Beam, Fan, Revolution, Sweep, View, is_finite_pose, unit, widest_run, wrap_angle_rad};
 pub use spectrum::Spectrum;
-pub use storage::Storage;
 pub use traits::{AffinityStage, KmeansStage, Observer, ObserverError, Source, SourceError, SpectralStage, StageError};
 pub use unsure::Unsure;
 

@@ -45,11 +45,6 @@ impl SpectralStage for PythonSpectral {
         out.u.write_rows(n, k, |i, row| (0..k).map(|j| (j as u32, u.at(i, j))).for_each(|entry| row.push(entry)));
         Ok(())
     }
-
-    /// What Python takes is not known beforehand: W with all entries, L and its eigenvectors.
-    fn memory_bytes(&self, n: usize, _: usize) -> u64 {
-        3 * (size_of::<f64>() as u64) * (n as u64).saturating_mul(n as u64)
-    }
 }
 
 /// Eigenvalues and U of n returns.

@@ -19,7 +19,7 @@ use crosscut_scan::{Directions, LEAST_WALL_RETURNS, Lengths, LostBeams, Pieces, 
 use crosscut_stage::NoteCode::{N060, N061};
 use crosscut_stage::{
     Affinity, AffinityStage, Count, Flag, Invariance, Kind, Names, Notes, Number, Params, Revolution, StageError,
-    Storage, Verdict, counted,
+    Verdict, counted,
 };
 
 use chains::Chains;
@@ -99,8 +99,6 @@ pub const KIND: Kind<dyn AffinityStage> = Kind::affinity(
     WITHOUT.spec,
     WIDTHS.spec,
 ])
-// On average one more edge to and from a return that is left over.
-.storage(Storage::Sparse(|params, _| 2 * params.get(NEIGHBOURS) + 3))
 .needs_beams()
 // It sees ranges, and the order of the beams.
 .blind_to(&[Invariance::Turn, Invariance::Mirror]);

@@ -3,11 +3,10 @@
 use crosscut_stage::{DisjointSets, StageError};
 use faer::Mat;
 
+use super::MOST_DECOMPOSED;
 use super::graph::{Edge, Graph};
-use super::sparse::MOST_BYTES;
 use crate::decomposition::Decomposition;
 use crate::degrees::sum_volumes;
-use crate::laplacian::dense_bytes;
 
 /// The returns in m blocks, each connected by edges that are not weak, and the weak edges between them.
 ///
@@ -185,13 +184,10 @@ impl Split {
                 linked += 1;
             }
         }
-        let bytes = dense_bytes(linked).saturating_add(Decomposition::memory_bytes(linked));
-        if bytes > MOST_BYTES {
+        if linked > MOST_DECOMPOSED {
             return Err(StageError::TooLarge(format!(
-                "the graph of {linked} blocks with weak edges between them would need {} MB, more than {} MB: set \
-                 spectral.weak_link = 0, or choose an affinity without weak edges",
-                bytes >> 20,
-                MOST_BYTES >> 20
+                "a graph of {linked} blocks with weak edges between them, more than {MOST_DECOMPOSED}, is not decomposed: \
+                 choose an affinity without weak edges"
             )));
         }
         self.quotient.resize_with(linked, linked, |_, _| 0.0);

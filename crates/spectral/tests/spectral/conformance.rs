@@ -239,30 +239,6 @@ fn a_tolerance_below_rounding_or_above_2_is_refused() {
 }
 
 #[test]
-fn claimed_memory_grows_with_n_without_overflow() {
-    for kind in KINDS {
-        let bytes: Vec<u64> = [0, 1, 300, 3000, 1 << 32, usize::MAX / 2].map(|n| build(kind).memory_bytes(n, n)).into();
-        assert!(bytes.is_sorted(), "{}: {bytes:?}", kind.name);
-    }
-}
-
-#[test]
-fn the_zeros_of_very_many_returns_on_their_own_take_no_matrix_of_n_by_k() {
-    for kind in KINDS.iter().filter(|kind| kind.properties.stays_sparse) {
-        let n = 100_000;
-        let mut affinity = Affinity { degrees: vec![1.0; n], ..Affinity::default() };
-        let w = affinity.weights.make_sparse();
-        (0..n as u32).for_each(|i| {
-            w.push(i, 1.0);
-            w.end_row();
-        });
-        let found = spectrum(kind, &affinity);
-        assert_eq!((found.k, found.u.nrows(), found.u.ncols()), (n, n, n), "{}", kind.name);
-        assert!((0..n).all(|i| found.u.row(i).eq([(i, 1.0)])), "{}", kind.name);
-    }
-}
-
-#[test]
 fn few_returns_far_from_each_other_whose_links_are_next_to_nothing_are_decomposed() {
     let mut state = 88_172_645_463_325_252_u64;
     let mut place_m = || {
