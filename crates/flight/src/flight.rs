@@ -15,9 +15,8 @@ pub const LOOK_AHEAD: Count = Count::new("look_ahead", "revolutions", 0)
 
 /// Section `flight` of the configuration.
 pub const PARAMS: &[ParamSpec] = &{
-    let [pose, share, floor] = POSE_PARAMS;
-    let [widths, least, farthest] = PLACE_PARAMS;
-    [pose, share, floor, widths, least, farthest, LOOK_AHEAD.spec]
+    let ([pose, share], [widths]) = (POSE_PARAMS, PLACE_PARAMS);
+    [pose, share, widths, LOOK_AHEAD.spec]
 };
 
 /// A setting needs scans that are not there yet.

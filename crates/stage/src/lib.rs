@@ -45,7 +45,7 @@ pub use kind::{AffinityProperties, Eigenvalues, Kind, SpectralProperties, StageK
 pub use known::{Known, KnownGaps};
 pub use note_code::{NOTE_CODES, NoteCode};
 pub use notes::{Notes, counted};
-pub use param::{Count, Flag, Follows, Interval, Names, Number, Pairs, Param, ParamSpec, Shape, Word};
+pub use param::{Count, Flag, Interval, Names, Number, Pairs, Param, ParamSpec, Shape, Word};
 pub use params::{ParamError, ParamErrorKind, ParamValue, Params, Value};
 pub use partition::Partition;
 pub use pose_doubt::{MotionDoubt, PoseDoubt};

@@ -188,8 +188,8 @@ impl Split {
         let bytes = dense_bytes(linked).saturating_add(Decomposition::memory_bytes(linked));
         if bytes > MOST_BYTES {
             return Err(StageError::TooLarge(format!(
-                "the graph of {linked} blocks with weak edges between them would need {} MB, more than {} MB: set \
-                 spectral.weak_link = 0, or choose an affinity without weak edges",
+                "the graph of {linked} blocks with weak edges between them would need {} MB, more than {} MB: \
+                 choose an affinity without weak edges",
                 bytes >> 20,
                 MOST_BYTES >> 20
             )));
