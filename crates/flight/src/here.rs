@@ -37,22 +37,18 @@ const LOOK_WIDTHS: Number = Number::new("look_widths", "widths", 1.5)
     .to(10.0)
     .doc("the place is what lies this many widths around: half the local width, the rest of the widest opening if that is narrower; a shorter look misses mouths, a longer one sees the next junction");
 
-const LEAST_LOOK_M: Number = Number::new("least_look_m", "m", 1.5)
-    .above(0.0)
-    .to(100.0)
-    .follows("vehicle.width_m", 2.5)
-    .doc("the look is never shorter, so that it reaches past the vehicle in narrow places");
+/// The look is never shorter than this many times the width of the vehicle, so that it reaches past the vehicle in narrow
+/// places.
+const LEAST_LOOK_WIDTHS: f64 = 2.5;
 
-const FARTHEST_LOOK_M: Number = Number::new("farthest_look_m", "m", 12.0)
-    .above(0.0)
-    .to(1000.0)
-    .doc("the look is never longer, so that in a hall it stays where walls have enough returns; nor, in a limited view, than 12 m");
+/// The look is never longer, so that in a hall it stays where walls have enough returns.
+const FARTHEST_LOOK_M: f64 = 12.0;
 
 use crate::Tracked;
 use crate::surroundings::{REACH_M, Ray, RayEnd, Surroundings};
 
 /// Parameters of the place.
-pub(crate) const PLACE_PARAMS: [ParamSpec; 3] = [LOOK_WIDTHS.spec, LEAST_LOOK_M.spec, FARTHEST_LOOK_M.spec];
+pub(crate) const PLACE_PARAMS: [ParamSpec; 1] = [LOOK_WIDTHS.spec];
 
 /// The place is judged in three looks; where they differ it is in doubt.
 const LOOKS: [f64; 3] = [1.0, 0.85, 1.15];
@@ -95,8 +91,6 @@ const CHAMBER_WIDTHS: f64 = 1.5;
 #[derive(Clone, Debug)]
 pub struct Places {
     look_widths: f64,
-    least_look_m: f64,
-    farthest_look_m: f64,
     vehicle_width_m: f64,
     surroundings: Surroundings,
 }
@@ -104,13 +98,7 @@ pub struct Places {
 impl Places {
     /// From checked values of [`PARAMS`](crate::PARAMS), for a vehicle of this width.
     pub fn new(params: &Params, vehicle_width_m: f64) -> Self {
-        Self {
-            look_widths: params.get(LOOK_WIDTHS),
-            least_look_m: params.get(LEAST_LOOK_M),
-            farthest_look_m: params.get(FARTHEST_LOOK_M),
-            vehicle_width_m,
-            surroundings: Surroundings::default(),
-        }
+        Self { look_widths: params.get(LOOK_WIDTHS), vehicle_width_m, surroundings: Surroundings::default() }
     }
 
     /// What earlier scans saw is forgotten: the poses that follow do not go with those before.
@@ -125,7 +113,7 @@ impl Places {
         let view = sweep.view();
         let mut outline = Outline::of(revolution, sweep, junction, view)?;
         // A mouth shows where beams leave the look.
-        let mut farthest_look_m = self.farthest_look_m.min(sweep.range_max_m / FARTHEST_REACH);
+        let mut farthest_look_m = FARTHEST_LOOK_M.min(sweep.range_max_m / FARTHEST_REACH);
         if !view.full_turn {
             let tracked = tracked?;
             farthest_look_m = farthest_look_m.min(REACH_M / FARTHEST_REACH);
@@ -137,7 +125,8 @@ impl Places {
         // In a wide place the ways are as wide as its openings: a look of its own width would see a short one end.
         let opening_m = junction.openings.iter().map(|opening| opening.width_m).max_by(f64::total_cmp);
         let passage_m = opening_m.map_or(width_m, |opening_m| opening_m.min(width_m));
-        let wanted_m = (0.5 * width_m + (self.look_widths - 0.5) * passage_m).max(self.least_look_m);
+        let wanted_m =
+            (0.5 * width_m + (self.look_widths - 0.5) * passage_m).max(LEAST_LOOK_WIDTHS * self.vehicle_width_m);
         let look_m = wanted_m.min(farthest_look_m);
         let [place, shorter, longer] =
             LOOKS.map(|times| outline.place(times * look_m, width_m, self.vehicle_width_m, &junction.openings));

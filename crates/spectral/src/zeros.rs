@@ -6,7 +6,7 @@ use crosscut_stage::{Embedding, Number, Spectrum};
 pub const ZERO_TOLERANCE: Number = Number::new("zero_tolerance", "", 1e-7)
     .from(1e-14)
     .to(2.0)
-    .follows("affinity.leak", 1.0)
+    .follows("affinity.leak")
     .doc("τ: eigenvalues of the Laplacian below it count as zero; at least 1e-14, as smaller ones are rounding");
 
 /// Sets τ, k and the margin of a spectrum of n eigenvalues without bounds, of which all zeros are known, and the next,

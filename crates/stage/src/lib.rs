@@ -42,7 +42,7 @@ pub use junction::{Evidence, Junction, Opening, Place, SURE, Wall, junction_of};
 pub use kind::{AffinityProperties, Eigenvalues, Kind, SpectralProperties, StageKind};
 pub use known::{Known, KnownGaps};
 pub use notes::{NOTES_PAGE, NoteCode, Notes, counted};
-pub use param::{Count, Flag, Follows, Interval, Names, Number, Pairs, Param, ParamSpec, Shape, Word};
+pub use param::{Count, Flag, Interval, Names, Number, Pairs, Param, ParamSpec, Shape, Word};
 pub use params::{ParamError, ParamErrorKind, ParamValue, Params, Value};
 pub use partition::Partition;
 pub use pose_doubt::{MotionDoubt, PoseDoubt};

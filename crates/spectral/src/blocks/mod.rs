@@ -18,9 +18,8 @@ use graph::{Graph, GraphBuffers};
 use order::Order;
 use split::Split;
 
-const WEAK_LINK: Number = Number::new("weak_link", "", 1e-3).from(0.0).to(1.0).follows("affinity.leak", 1e5).doc(
-    "edges of W_ij / √(D_ii D_jj) below it are set aside and their effect is computed, if that leaves zeros; 0: none",
-);
+/// Edges of W_ij / √(D_ii D_jj) below this are set aside and their effect is computed, if that leaves zeros.
+const WEAK_LINK: f64 = 1e-3;
 
 /// Blocks with longer edges, in the best order of their returns that was found, are decomposed in full.
 const WIDEST_BAND: usize = 64;
@@ -35,14 +34,13 @@ pub const KIND: Kind<dyn SpectralStage> = Kind::spectral(
         let tolerance = params.get(ZERO_TOLERANCE);
         Box::new(Blocks {
             tolerance,
-            weak_link: params.get(WEAK_LINK),
             graph: GraphBuffers::default(),
             solver: Solver::default(),
             full: FaerEvd::new(tolerance),
         })
     },
 )
-.params(&[ZERO_TOLERANCE.spec, WEAK_LINK.spec])
+.params(&[ZERO_TOLERANCE.spec])
 .stays_sparse();
 
 /// Without its weak edges, L is block diagonal: L_0. A block B of L_0 has the eigenvalue 0, with the eigenvector D^1/2 1_B /
@@ -61,7 +59,6 @@ pub const KIND: Kind<dyn SpectralStage> = Kind::spectral(
 /// returns, as no wall's are.
 struct Blocks {
     tolerance: f64,
-    weak_link: f64,
     graph: GraphBuffers,
     solver: Solver,
     full: FaerEvd,
@@ -228,9 +225,9 @@ impl SpectralStage for Blocks {
     fn spectrum(&mut self, affinity: &Affinity, out: &mut Spectrum, notes: &mut Notes) -> Result<(), StageError> {
         check_degrees(affinity)?;
         let degrees = &affinity.degrees;
-        let Self { tolerance, weak_link, ref mut graph, ref mut solver, ref mut full } = *self;
+        let Self { tolerance, ref mut graph, ref mut solver, ref mut full } = *self;
         let graph = graph.graph(affinity)?;
-        solver.solve(&graph, weak_link, tolerance)?;
+        solver.solve(&graph, WEAK_LINK, tolerance)?;
         if solver.split.has_weak_edges() && !solver.several.is_empty() {
             notes.add(N072, "blocks: no edge set aside, as a wall between weak edges is itself almost two");
             solver.solve(&graph, 0.0, tolerance)?;
