@@ -4,7 +4,7 @@ use nalgebra::{Isometry2, Matrix2, Matrix3, Point2, Vector3};
 
 use crosscut_stage::{MotionDoubt, Notes, Number, ParamSpec, Params, PoseDoubt, Revolution, Word, is_finite_pose};
 
-use crate::agreement::{Agreement, Compared, Slip};
+use crate::agreement::{Compared, OdometryAgreement, Slip};
 use crate::gap::Clock;
 use crate::scan_match::NEIGHBOURS_M;
 use crate::{Held, Matched, Motion, ScanMatcher};
@@ -45,7 +45,7 @@ pub struct PoseTracker {
     odometry_share: f64,
     odometry_floor_m: f64,
     matcher: ScanMatcher,
-    agreement: Agreement,
+    agreement: OdometryAgreement,
     clock: Clock,
     /// The last odometry, and the pose of its revolution.
     odometry: Option<(Isometry2<f64>, Isometry2<f64>)>,
@@ -88,7 +88,7 @@ impl PoseTracker {
             odometry_share: params.get(ODOMETRY_SHARE),
             odometry_floor_m: params.get(ODOMETRY_FLOOR_M),
             matcher: ScanMatcher::default(),
-            agreement: Agreement::default(),
+            agreement: OdometryAgreement::default(),
             clock: Clock::default(),
             odometry: None,
             pose: Isometry2::identity(),
