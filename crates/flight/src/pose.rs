@@ -5,7 +5,7 @@ use nalgebra::{Isometry2, Matrix2, Matrix3, Point2, Vector3};
 use crosscut_stage::NoteCode::{self, N090, N091, N092, N093, N094, N095, N096, N097, N098};
 use crosscut_stage::{MotionDoubt, Notes, Number, ParamSpec, Params, PoseDoubt, Revolution, Word, is_finite_pose};
 
-use crate::agreement::{Agreement, Compared, Slip};
+use crate::agreement::{Compared, OdometryAgreement, Slip};
 use crate::gap::Clock;
 use crate::scan_match::NEIGHBOURS_M;
 use crate::{Held, Matched, Motion, ScanMatcher};
@@ -43,7 +43,7 @@ pub struct PoseTracker {
     kind: PoseKind,
     odometry_share: f64,
     matcher: ScanMatcher,
-    agreement: Agreement,
+    agreement: OdometryAgreement,
     clock: Clock,
     /// The last odometry, and the pose of its revolution.
     odometry: Option<(Isometry2<f64>, Isometry2<f64>)>,
@@ -85,7 +85,7 @@ impl PoseTracker {
             kind,
             odometry_share: params.get(ODOMETRY_SHARE),
             matcher: ScanMatcher::default(),
-            agreement: Agreement::default(),
+            agreement: OdometryAgreement::default(),
             clock: Clock::default(),
             odometry: None,
             pose: Isometry2::identity(),
