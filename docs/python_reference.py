@@ -13,7 +13,7 @@ import sys
 from collections.abc import Iterator
 from typing import Any
 
-MODULES = ["crosscut", "crosscut.frames", "crosscut.live", "crosscut.ray", "crosscut.sklearn", "crosscut.testing"]
+MODULES = ["crosscut", "crosscut.live", "crosscut.ray", "crosscut.sklearn", "crosscut.testing"]
 ROLE = re.compile(r":[a-z]+:`~?([^`]+)`")
 
 
