@@ -46,6 +46,12 @@ pub(crate) struct KmeansPlusPlus {
     best: Lloyd,
 }
 
+impl Default for KmeansPlusPlus {
+    fn default() -> Self {
+        Self::new(&Params::defaults(PARAMS))
+    }
+}
+
 impl KmeansPlusPlus {
     fn new(params: &Params) -> Self {
         Self {
