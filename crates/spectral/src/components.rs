@@ -66,7 +66,6 @@ impl SpectralStage for Components {
         out.eigenvalues.clear();
         out.eigenvalues.resize(out.k, 0.0);
         (out.tolerance, out.margin_decades) = (f64::MIN_POSITIVE, None);
-        (out.zeros_bound, out.span_bound) = (0.0, 0.0);
         out.u.write_rows(degrees.len(), out.k, |i, row| {
             let component = component_of_return[i];
             row.push((component, (degrees[i] / volumes[component as usize]).sqrt()));

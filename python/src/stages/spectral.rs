@@ -41,7 +41,6 @@ impl SpectralStage for PythonSpectral {
             margin_decades: None,
             ..std::mem::take(out)
         };
-        (out.zeros_bound, out.span_bound) = (0.0, 0.0);
         out.u.write_rows(n, k, |i, row| (0..k).map(|j| (j as u32, u.at(i, j))).for_each(|entry| row.push(entry)));
         Ok(())
     }

@@ -51,8 +51,8 @@ pub const KIND: Kind<dyn SpectralStage> = Kind::spectral(
 ///
 /// Weak edges lift the zeros of the m blocks to the eigenvalues θ of the graph of blocks (m×m), which are the ones
 /// reported. All are below τ, and λ_m <= θ_m < τ <= μ <= λ_m+1, where μ is the least of the blocks' next eigenvalues: k
-/// = m is proved, not estimated. [`Spectrum::zeros_bound`] and [`Spectrum::span_bound`] bound the errors of θ and U.
-/// The columns of U are those of the blocks, an orthonormal basis of what the eigenvectors of the zeros span.
+/// = m is proved, not estimated. With Z the columns of U and r = ‖LZ - Z(ZᵀLZ)‖, θ is too high by r² / (μ - θ_m) at most,
+/// and the span is off by the sine r / (μ - θ_m) at most (Davis, Kahan). The columns of U are those of the blocks, an orthonormal basis of what the eigenvectors of the zeros span.
 ///
 /// A block with an eigenvalue below τ beside its zero (one wall that is almost two, but not along weak edges) is decomposed
 /// in full, with a note, together with its weak edges; and so is a block whose edges are long in every order of its
@@ -172,16 +172,6 @@ impl Solver {
             }
         });
     }
-
-    /// Bounds on the errors of the zeros and their span by the edges that were set aside.
-    fn bounds(&self, degrees: &[f64], zeros: &[f64], next: Option<f64>) -> (f64, f64) {
-        let split = &self.split;
-        // Without a next eigenvalue the columns of Z span everything, and nothing is neglected.
-        let (true, Some(next), Some(largest)) = (split.has_weak_edges(), next, zeros.last()) else { return (0.0, 0.0) };
-        let (coupling, gap) = (split.coupling(degrees), next - largest);
-        // No eigenvalue is negative.
-        ((coupling * coupling / gap).min(*largest), (coupling / gap).min(1.0))
-    }
 }
 
 /// Forms the Laplacian of a block, the edges to others set aside, as a band; whether it is narrow enough.
@@ -247,7 +237,6 @@ impl SpectralStage for Blocks {
         out.eigenvalues.sort_unstable_by(f64::total_cmp);
         let others = spectra().filter_map(|spectrum| spectrum.eigenvalues.get(spectrum.k).copied());
         let next = others.chain(solver.next).min_by(f64::total_cmp);
-        (out.zeros_bound, out.span_bound) = solver.bounds(graph.degrees, &out.eigenvalues, next);
         out.eigenvalues.extend(next);
         out.margin_decades = Spectrum::tolerance_margin_decades(&out.eigenvalues, degrees.len(), out.k, tolerance);
         Ok(())

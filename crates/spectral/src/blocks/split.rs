@@ -123,21 +123,6 @@ impl Split {
         &self.eigenvalues
     }
 
-    /// r = ‖EZ‖, or a little more. Row i of EZ, of a return in block A, has the norm²
-    /// (s² / vol A + Σ_B s_B² / vol B) / D_ii, s_B what its edges to block B weigh, s = Σ s_B.
-    pub(crate) fn coupling(&self, degrees: &[f64]) -> f64 {
-        let per_edge = |edge: &Edge| {
-            let half = |near: u32, far: u32| {
-                let volume = |i: u32| self.volumes[self.block_of_return[i as usize] as usize];
-                // s_B² <= s·s_B.
-                let both = volume(near).recip() + volume(far).recip();
-                edge.weight * self.leaks[near as usize] * both / degrees[near as usize]
-            };
-            half(edge.from, edge.to) + half(edge.to, edge.from)
-        };
-        self.between.iter().map(per_edge).sum::<f64>().sqrt()
-    }
-
     /// Joins the returns of edges that are not weak, and keeps the others.
     fn cut(&mut self, graph: &Graph<'_>, weak: f64) {
         let n = graph.degrees.len();

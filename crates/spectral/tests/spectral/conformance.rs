@@ -129,7 +129,9 @@ fn k_and_span_are_those_of_another_library_when_walls_leak() {
         let gap = expected.eigenvalues.get(expected.k).map_or(2.0, |next| next - expected.eigenvalues[expected.k - 1]);
         let (u, v) = (found.u.to_dense(), expected.u.to_dense());
         let difference = &u * u.transpose() - &v * v.transpose();
-        let bound = rounding(graph.n) / gap + found.span_bound;
+        // What all leaks of a return may weigh, beside a degree of 1 at least.
+        let leak = if kind.name == "blocks" { graph.n as f64 * 10f64.powf(leak_decades) } else { 0.0 };
+        let bound = (rounding(graph.n) + leak) / gap;
         assert!(difference.norm_max() <= bound, "U·Uᵀ differs by {}, allowed {bound}", difference.norm_max());
     });
 }
