@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::container::{self, Dialect};
+use crate::container;
 
 /// What was found in place of a recording.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -44,8 +44,6 @@ pub enum Found {
     /// Read by a container; never reported.
     Carmen,
     Json,
-    /// Read by a container; never reported.
-    Table,
     /// A return a row, by its angle and its distance.
     AngleTable,
     /// A point a row.
@@ -177,7 +175,7 @@ impl Found {
         if text.lines().any(|line| line.contains("theta:") && line.contains("Dist:")) {
             return Some(Self::AngleTable);
         }
-        is_table(text).then_some(Self::Table)
+        None
     }
 
     /// A file that a crash may have left in place of a recording; not one that was named by mistake.
@@ -251,7 +249,6 @@ impl fmt::Display for Found {
                 "it is JSON; of results of crosscut, give the recording that they were made of; save other scans as a table \
                  with a scan a row: time, r0, r1, ..."
             }
-            Self::Table => "it is a table of ranges",
             Self::AngleTable => {
                 "it is a table with an angle and a distance in each row; a table of ranges has a scan a row: write the \
                  distances of each turn, by angle, into one row, and give the bearings of the first and the last one \
@@ -267,8 +264,8 @@ impl fmt::Display for Found {
             Self::OtherTable(columns) => {
                 return write!(
                     f,
-                    "it is a table with the columns {columns}, of which none are known to be ranges; a table of ranges \
-                     has a scan a row: time, r0, r1, ..."
+                    "it is a table with the columns {columns}, of which none are known to be ranges; where it has a scan a row, \
+                     say which they are: --set csv.columns=time,r*"
                 );
             }
             Self::ShortenedEcho => {
@@ -289,9 +286,6 @@ impl fmt::Display for Found {
     }
 }
 
-/// The name of a column has this many words at most; a part of a sentence may have more.
-const MOST_WORDS: usize = 4;
-
 /// Whether these bytes, of which the last may be cut, are characters that people read.
 fn is_text(start: &[u8]) -> bool {
     let whole = match std::str::from_utf8(start) {
@@ -299,31 +293,6 @@ fn is_text(start: &[u8]) -> bool {
         whole => whole,
     };
     whole.is_ok_and(|text| !text.contains(|c: char| c.is_control() && !c.is_whitespace()))
-}
-
-/// Whether a text is a table. Its first lines may be comments, and its last line may be cut.
-fn is_table(text: &str) -> bool {
-    let is_comment = |line: &&str| line.starts_with(['#', '%']);
-    let mut lines = text.lines().filter(|line| !line.trim().is_empty()).skip_while(is_comment);
-    let Some(first) = lines.next().or_else(|| text.lines().next()) else { return false };
-    let dialect = Dialect::of(first);
-    let cells = dialect.cells(first);
-    let are_numbers =
-        |cells: &[&str]| cells.len() > 1 && cells.iter().take(3).all(|cell| dialect.number(cell).is_some());
-    // Text in a natural language has commas too, but no numbers in its second line, and no names that count up.
-    let is_numbered = |cell: &&&str| cell.contains(|c: char| c.is_ascii_digit());
-    let has_names = || cells.len() > 2 && 2 * cells.iter().filter(is_numbered).count() > cells.len();
-    let mut is_above_numbers = || {
-        lines.next().is_some_and(|next| {
-            let dialect = Dialect::of(next);
-            let next = dialect.cells(next);
-            let is_number = |cell: &&&str| dialect.number(cell).is_some_and(|number| !number.is_nan());
-            next.len() > 1 && 2 * next.iter().filter(is_number).count() >= next.len()
-        })
-    };
-    let is_prose = || cells.iter().any(|cell| cell.split_whitespace().count() > MOST_WORDS);
-    let mut has_header = || first.matches(',').count() >= 3 || has_names() || is_above_numbers();
-    are_numbers(&cells) || (!is_prose() && has_header())
 }
 
 #[cfg(test)]
@@ -334,19 +303,11 @@ mod tests {
     fn text_formats_are_told_apart_by_their_first_lines() {
         let found = |text: &str| Found::in_file(text.as_bytes());
         assert_eq!(found("# message_name [message contents]\nPARAM a 1\nFLASER 3 1 2 3\n"), Found::Carmen);
-        assert_eq!(found("\u{feff}0.018,nan,1.25,3\n"), Found::Table);
-        assert_eq!(found("1.0 2.0 3.0\n"), Found::Table);
-        assert_eq!(found("seq,stamp,r0,r1\n"), Found::Table);
-        assert_eq!(found("# a comment\ntime r0 r1 r2\n0 1 2 3\n"), Found::Table);
-        assert_eq!(found("angle;distance\n0,5;1,2\n"), Found::Table);
         assert_eq!(found("header:\n  stamp:\n    sec: 5\n"), Found::EchoText);
         assert_eq!(found("{\"seq\":0}\n"), Found::Json);
         assert_eq!(found("version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\n"), Found::LfsPointer);
         assert_eq!(found("\n<!DOCTYPE html>\n<title>Sign in</title>"), Found::WebPage);
         assert_eq!(found("rosbag2_bagfile_information:\n  version: 9\n"), Found::BagMetadata);
-        assert!(matches!(found("Dear reader, all is well\nAll is well, dear reader\n"), Found::Text));
-        let sentence = "It reads logs, tables of ranges, what a robot sends, and whatever else there is to be read\nin 2026 or so\n";
-        assert_eq!(found(sentence), Found::Text);
         assert_eq!(found("MIT License\n\nCopyright (c) 2026 whoever\n"), Found::Text);
     }
 

@@ -49,7 +49,7 @@ impl OdometryReader {
         });
         let has_topic = |contents: &&Contents| reader.is_none() && !topic.channels_in(contents).is_empty();
         let files = contents().filter(has_topic).cloned().collect();
-        Some(Self { topic, csv: *csv, files, reader, poses: Odometry::default(), unreadable: None })
+        Some(Self { topic, csv: csv.clone(), files, reader, poses: Odometry::default(), unreadable: None })
     }
 
     /// The poses at the first and last of `stamps_ns`, which are times of a scan that was recorded at `recorded_ns`. Scans are

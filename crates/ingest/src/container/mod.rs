@@ -45,7 +45,6 @@ pub(crate) use self::standard_input::StandardInput;
 pub(crate) use self::bag::MAGIC as ROS1_BAG_MAGIC;
 pub(crate) use self::carmen::is_log as is_carmen_log;
 pub(crate) use self::contents::{ChannelId, Contents, Topic};
-pub(crate) use self::table::Dialect;
 pub(crate) use self::topic_reader::TopicReader;
 
 /// This many bytes at the start of a file tell what it is.
@@ -204,8 +203,8 @@ fn open_plain(
     } else {
         match Found::in_file(start) {
             Found::Carmen => Ok(Box::new(Lines::open(path, file, Carmen::default()).map_err(failed)?)),
-            Found::Table => {
-                let table = Table::look(path, &mut file, *csv)?;
+            Found::Text => {
+                let table = Table::look(path, &mut file, csv)?;
                 Ok(Box::new(Lines::open(path, file, table).map_err(failed)?))
             }
             Found::Pcd => Ok(Box::new(SingleCloud::open(path, file, Format::Pcd).map_err(unreadable)?)),

@@ -59,13 +59,13 @@ impl Scanners {
         if options.beside.is_empty() {
             return Ok(None);
         }
-        let (csv, read_as) = (options.csv, options.read_as);
+        let (csv, read_as) = (&options.csv, options.read_as);
         let is_stream = containers.iter().any(|container| container.again().is_some());
         let reopened = || -> Result<Vec<_>, IngestError> {
-            containers.iter().map(|container| container::reopen(&**container, &csv)).collect()
+            containers.iter().map(|container| container::reopen(&**container, csv)).collect()
         };
         let open = |topic: &String| {
-            let options = ReadOptions { topic: Some(topic.clone()), read_as, csv, ..ReadOptions::default() };
+            let options = ReadOptions { topic: Some(topic.clone()), read_as, csv: csv.clone(), ..ReadOptions::default() };
             let recording = Recording::of(reopened()?, losses.to_vec(), &options, sensor.clone())?;
             let agreement = Agreement::default();
             Ok(Scanner { recording, before: None, after: None, spare: None, has_ended: false, agreement })
