@@ -176,7 +176,7 @@ impl Engine {
         Ok((results.collect::<PyResult<_>>()?, failure.map(|failure| engine.failed(py, &failure))))
     }
 
-    /// How long the stages take on these scans without anything of Python, for `python/speed.py`.
+    /// How long the stages take on these scans without anything of Python, for `lab/run python_speed`.
     fn seconds_in_rust(&self, py: Python<'_>, scans: Vec<Py<Scan>>) -> f64 {
         py.detach(|| {
             let mut work = self.work.lock().unwrap_or_else(PoisonError::into_inner);

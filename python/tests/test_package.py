@@ -42,9 +42,9 @@ def test_the_native_half_has_what_its_stub_declares(tmp_path: Path) -> None:
 
 
 def test_the_reference_of_python_names_what_there_is() -> None:
-    page = subprocess.run([sys.executable, ROOT / "docs/python_reference.py"], capture_output=True, text=True, check=True).stdout
+    page = subprocess.run([sys.executable, ROOT / "lab/python_reference.py"], capture_output=True, text=True, check=True).stdout
     written = (ROOT / "docs/python-reference.md").read_text()
-    assert written == page, "`docs/python_reference.py > docs/python-reference.md` makes the page"
+    assert written == page, "`lab/make reference` makes the page"
 
 
 def snippets(page: str) -> list[str]:
