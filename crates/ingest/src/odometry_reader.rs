@@ -6,8 +6,7 @@ use crosscut_messages::{DecodeError, ODOMETRY_TOPIC};
 use crosscut_sensor::{Odometry, pose_in};
 use nalgebra::Isometry2;
 
-use crate::container::{self, Container, Contents, Message, TopicReader};
-use crate::stream::Wait;
+use crate::container::{self, Container, Contents, Message, TopicReader, Wait};
 use crate::topics::topics_of;
 use crate::{CsvGeometry, LossKind, TopicInfo};
 

@@ -63,7 +63,7 @@ note_codes! {
     "N009" ["farther than", "ranges are read in metres"]
         seen "Most returns are farther than a lidar sees: the ranges may be millimetres."
         done "They are used as metres."
-        remedy "Set the unit, `--set ingest.range_scale=0.001`, of a table `--set csv.unit=mm`; or have the driver write metres.";
+        remedy "Set the unit, `--set ingest.range_scale=0.001`; or have the driver write metres.";
     "N010" ["beyond max_range_m"]
         seen "Beams or points are beyond `ingest.max_range_m`."
         done "They count as no return."

@@ -22,7 +22,7 @@ use self::feed::{Arrival, Missing};
 pub use self::feed::{Feed, StreamEnded};
 use self::reader::Streamed;
 use crate::container::{ChannelId, Contents, Message, Topic};
-use crate::scanners::{Mount, Scanners};
+use crate::scanners::Mount;
 use crate::topics::{is_same_name, scan_topic, topics_of};
 use crate::{Damage, Following, IngestError, Loss, LossKind, ReadOptions, Recording, TopicInfo};
 
@@ -34,20 +34,6 @@ const FIRST_SCANS: u64 = 100;
 const LIVE_WAIT_NS: u64 = 200_000_000;
 /// Between two looks whether waiting is over.
 const INTERVAL: Duration = Duration::from_millis(50);
-
-/// How long a reader waits for its next message.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Wait {
-    /// Until it comes, or there are no more.
-    #[default]
-    Always,
-    /// As long as what the first messages show is being learned.
-    Learning,
-    /// Until the stream is past this time of recording.
-    Recorded(u64),
-    /// Not at all.
-    Never,
-}
 
 /// The end of a stream where its messages come out.
 struct Stream {
@@ -136,7 +122,7 @@ impl Recording {
         stream.wait_for_topics(options)?;
         let stream = Arc::new(Mutex::new(stream));
         let containers = vec![Streamed::boxed(&stream)];
-        let scanners = Scanners::open(&containers, &[], options, sensor)?;
+        let scanners = Recording::beside(&containers, &[], options, sensor)?;
         let is_single = scanners.is_none();
         let mount = is_single.then(|| Mount::read(&containers, &options.csv, sensor)).flatten();
         let recording = Self::of(containers, Vec::new(), options, sensor.clone())?;

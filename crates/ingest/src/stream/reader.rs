@@ -4,8 +4,9 @@ use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use super::{LEARNING, LIVE_WAIT_NS, Queue, Stream, Wait, lock, now_ns};
+use super::{LEARNING, LIVE_WAIT_NS, Queue, Stream, lock, now_ns};
 use crate::Loss;
+use crate::container::Wait;
 use crate::container::{ChannelId, Container, Contents, Message};
 
 /// One reader; all of a stream share it.

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use crosscut_messages::{LaserScan, ScanMessage};
 use crosscut_stage::counted;
 
-use super::Turn;
+use super::turn::Turn;
 
 /// Fewer messages do not show what a driver does.
 const LEAST_MESSAGES: usize = 6;
