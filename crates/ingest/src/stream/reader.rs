@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use super::{LEARNING, LIVE_WAIT_NS, Queue, Stream, lock, now_ns};
+use super::feed::now_ns;
+use super::queues::{LEARNING, LIVE_WAIT_NS, Queue, Stream, lock};
 use crate::Loss;
 use crate::container::Wait;
 use crate::container::{ChannelId, Container, Contents, Message};

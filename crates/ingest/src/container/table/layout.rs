@@ -55,12 +55,6 @@ const NAMES: &[(Part, &[&str])] = &[
 /// there may be as many intensities.
 const ECHO: &str = "stamp.sec,stamp.nanosec,frame_id,angle_min,angle_max,angle_increment,time_increment,scan_time,range_min,\
                     range_max,r*";
-/// The columns of tables without names: ranges alone, behind a time, behind its seconds and nanoseconds, behind the number of the row.
-const RANGES: &str = "r*";
-const TIME_AND_RANGES: &str = "time,r*";
-const TIMES_AND_RANGES: &str = "sec,nsec,r*";
-const NUMBER_AND_RANGES: &str = "row,r*";
-
 /// Units in names: of ranges in metres, of times in nanoseconds.
 const UNITS_M: [(&str, f64); 3] = [("mm", 1e-3), ("cm", 1e-2), ("m", 1.0)];
 const UNITS_NS: [(&str, f64); 4] = [("ns", 1.0), ("us", 1e3), ("ms", 1e6), ("s", NS_PER_S)];
@@ -266,17 +260,10 @@ impl Layout {
             (list, _) => format!("`{}` has the ranges", name(list.unwrap_or(0))),
         };
         for (what, time) in [("stamp", self.stamp), ("time of recording", self.recorded)] {
-            match time.filter(|time| !used.contains(&time.column)) {
-                Some(Time { column, rest: Some(rest), .. }) => {
-                    taken += &format!(", `{}` and `{}` are the {what}", name(column), name(rest));
-                    used.extend([column, rest]);
-                }
-                Some(Time { column, .. }) => {
-                    taken += &format!(", `{}` is the {what}", name(column));
-                    used.push(column);
-                }
-                None => {}
-            }
+            let Some(time) = time.filter(|time| !used.contains(&time.column)) else { continue };
+            let columns = || [Some(time.column), time.rest].into_iter().flatten();
+            taken += &format!(", {what} by {}", listed(columns().map(name)));
+            used.extend(columns());
         }
         if !self.fields.is_empty() {
             taken += &format!(", {} state the geometry", listed(self.fields.iter().map(|(column, _)| name(*column))));
@@ -369,7 +356,8 @@ fn is_echo(cells: &[String]) -> bool {
     is_stamp && frame.parse::<f64>().is_err()
 }
 
-/// What rows without names hold.
+/// The columns of rows without names, as `csv.columns` gives names: ranges alone, or behind a time, its seconds and nanoseconds, or
+/// the number of the row.
 fn bare_pattern(rows: &[Vec<f64>]) -> &'static str {
     let column = |column: usize| rows.iter().map(move |row| row.get(column).copied().unwrap_or(f64::NAN));
     let are_epochs = |of: usize| column(of).all(|number| EPOCHS.contains(&number));
@@ -378,13 +366,13 @@ fn bare_pattern(rows: &[Vec<f64>]) -> &'static str {
     let [first, second] = [0, 1].map(|row: usize| rows.get(row).map_or(f64::NAN, |row| row[0]));
     if are_epochs(0) && !are_epochs(2) {
         let has_nanoseconds = is_whole(1) && column(1).any(|number| NANOSECONDS.contains(&number));
-        return if is_whole(0) && has_nanoseconds { TIMES_AND_RANGES } else { TIME_AND_RANGES };
+        return if is_whole(0) && has_nanoseconds { "sec,nsec,r*" } else { "time,r*" };
     }
     if rows.len() < LEAST_COUNTING || ![0.0, 1.0].contains(&first) || !rises(0) || rises(1) {
-        return RANGES;
+        return "r*";
     }
     let counts = second - first == 1.0 && column(0).zip(column(0).skip(1)).all(|(a, b)| b - a == 1.0);
-    if counts { NUMBER_AND_RANGES } else { TIME_AND_RANGES }
+    if counts { "row,r*" } else { "time,r*" }
 }
 
 /// The first of these names.

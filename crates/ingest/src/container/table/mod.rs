@@ -51,7 +51,7 @@ impl Table {
         let states_directions = |line: &Line| {
             table.scan(line).is_ok_and(|(scan, _)| scan.angle_min.is_finite() && scan.angle_max.is_finite())
         };
-        if settings.is_known() || rows.iter().any(states_directions) {
+        if table.settings.is_known() || rows.iter().any(states_directions) {
             Ok(table)
         } else {
             Err(IngestError::NoGeometry { path: path.to_owned(), columns: table.layout.taken })
@@ -91,7 +91,11 @@ impl Table {
             Layout::bare(&cells, &rows)?
         };
         let header = header.map(|header| header.text);
-        let table = Self { settings: settings.clone(), dialect, layout, first_row: first.number, header };
+        let mut settings = settings.clone();
+        if let Some([first_rad, last_rad]) = layout.bearings_rad.filter(|_| !settings.is_known()) {
+            (settings.first_rad, settings.last_rad) = (first_rad, last_rad);
+        }
+        let table = Self { settings, dialect, layout, first_row: first.number, header };
         if table.layout.is_echo && table.scan(first).is_err() {
             return Err(Found::OtherTable(String::new()));
         }
@@ -130,7 +134,15 @@ impl Table {
             }
         };
         rescale(&mut scan, layout.unit_m);
-        self.direct(&mut scan);
+        let steps = scan.ranges.len().saturating_sub(1);
+        if settings.is_known() {
+            (scan.angle_min, scan.angle_max) = (settings.first_rad as f32, settings.last_rad as f32);
+            scan.angle_increment = ((settings.last_rad - settings.first_rad) / steps.max(1) as f64) as f32;
+        } else if scan.angle_max.is_nan() {
+            scan.angle_max = scan.angle_min + steps as f32 * scan.angle_increment;
+        } else if scan.angle_increment.is_nan() {
+            scan.angle_increment = 0.0;
+        }
         if settings.range_max_m < f64::INFINITY {
             scan.range_max = settings.range_max_m as f32;
         }
@@ -141,22 +153,6 @@ impl Table {
         let frame_id = layout.frame.map_or("laser", |column| cells[column].trim_matches('"')).to_owned();
         scan.header = Header { stamp: Time::from_ns(stamp_ns), frame_id };
         Ok((scan, time(layout.recorded)?.unwrap_or(stamp_ns)))
-    }
-
-    /// Says where the beams look, as the settings, the names of the columns or the row state.
-    fn direct(&self, scan: &mut LaserScan) {
-        let CsvGeometry { first_rad, last_rad, .. } = self.settings;
-        let steps = scan.ranges.len().saturating_sub(1);
-        if let Some([first_rad, last_rad]) =
-            Some([first_rad, last_rad]).filter(|_| self.settings.is_known()).or(self.layout.bearings_rad)
-        {
-            (scan.angle_min, scan.angle_max) = (first_rad as f32, last_rad as f32);
-            scan.angle_increment = ((last_rad - first_rad) / steps.max(1) as f64) as f32;
-        } else if scan.angle_max.is_nan() {
-            scan.angle_max = scan.angle_min + steps as f32 * scan.angle_increment;
-        } else if scan.angle_increment.is_nan() {
-            scan.angle_increment = 0.0;
-        }
     }
 
     fn ranges<'a>(&self, cells: impl Iterator<Item = &'a str>) -> Result<Vec<f32>, String> {
@@ -266,13 +262,8 @@ impl Dialect {
     }
 
     /// Its separator in words.
-    fn name(self) -> &'static str {
-        match self.separator {
-            None => "blanks",
-            Some(b',') => "`,`",
-            Some(b';') => "`;`",
-            Some(_) => "tabs",
-        }
+    fn name(self) -> String {
+        self.separator.map_or("blanks".to_owned(), |separator| format!("`{}`", separator.escape_ascii()))
     }
 
     /// The cells of a line, without quotes and blanks around them.
