@@ -5,18 +5,13 @@ use std::sync::{Mutex, PoisonError, TryLockError};
 use std::time::Instant;
 
 use crosscut_detector::{Config, Engine as Stages, Failure, Frame, Layer, Preset, Registry};
-use crosscut_report::ResultsLine;
 use crosscut_sensor::{Live, Sensor};
-use crosscut_stage::Step;
 use pyo3::exceptions::{PyException, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict};
 
 use crate::answer::{Answer, Keep};
-use crate::columns::Columns;
 use crate::error::Class;
 use crate::flight::Flight;
-use crate::frames;
 use crate::kept::Kept;
 use crate::navigator::{Command, Navigator};
 use crate::recording::{Recording, Wanted};
@@ -96,12 +91,6 @@ impl Engine {
             Err(TryLockError::WouldBlock) => None,
         });
         done.ok_or_else(|| Class::Error.error(py, "this engine is busy; use one engine per thread"))
-    }
-
-    /// Runs the report on a frame that k-means has filled. Returns whether it succeeded.
-    #[cfg(feature = "rerun")]
-    pub(crate) fn report_on(&self, py: Python<'_>, frame: &mut Frame) -> PyResult<bool> {
-        self.working(py, |work| work.stages.run_step(Step::Report, frame).is_ok())
     }
 
     /// The failure of a stage; the exception that a stage in Python raised is its cause. An interrupt stays one.
@@ -187,7 +176,7 @@ impl Engine {
         Ok((results.collect::<PyResult<_>>()?, failure.map(|failure| engine.failed(py, &failure))))
     }
 
-    /// How long the stages take on these scans without anything of Python, for `python/speed.py`.
+    /// How long the stages take on these scans without anything of Python, for `lab/run python_speed`.
     fn seconds_in_rust(&self, py: Python<'_>, scans: Vec<Py<Scan>>) -> f64 {
         py.detach(|| {
             let mut work = self.work.lock().unwrap_or_else(PoisonError::into_inner);
@@ -252,65 +241,6 @@ impl Engine {
     ) -> PyResult<Command> {
         let command = py.detach(|| navigator.get().step(scan.get(), pose));
         command.map_err(|failure| self.failed(py, &failure))
-    }
-
-    /// The scans as frames before the first stage, in columns; `first_seq` numbers scans that have no number.
-    fn frames<'py>(&self, py: Python<'py>, scans: Vec<Py<Scan>>, first_seq: u64) -> PyResult<Bound<'py, PyDict>> {
-        let frames = self.working(py, |work| {
-            let written = scans.iter().zip(first_seq..).map(|(scan, seq)| {
-                let mut frame = Frame::default();
-                scan.get().write(&mut Live::default(), &work.sensor, seq, &mut frame);
-                frame
-            });
-            written.collect::<Vec<_>>()
-        })?;
-        let columns = Columns(PyDict::new(py));
-        frames::write_scans(&frames, &columns)?;
-        Ok(columns.0)
-    }
-
-    /// Runs one stage on frames in columns. Returns the columns that it made or changed. What fails is in `failed_step`.
-    fn run_stage<'py>(
-        &self,
-        py: Python<'py>,
-        stage: &str,
-        columns: Bound<'py, PyDict>,
-    ) -> PyResult<Bound<'py, PyDict>> {
-        let step = [Step::Affinity, Step::Spectral, Step::Kmeans].into_iter().find(|known| known.name() == stage);
-        let step = step.ok_or_else(|| PyValueError::new_err("a stage is affinity, spectral or kmeans"))?;
-        let mut frames = frames::read(step, &Columns(columns))?;
-        let frames = self.working(py, move |work| {
-            for frame in &mut frames {
-                work.stages.run_step(step, frame).ok(); // a failure travels in its frame
-            }
-            frames
-        })?;
-        let made = Columns(PyDict::new(py));
-        frames::write_step(step, &frames, &made)?;
-        Ok(made.0)
-    }
-
-    /// Runs the report and the flight on frames in columns, which become a part of `flight`. Returns their lines of results,
-    /// and the failure of the first frame that failed, with which the flight ends.
-    fn report<'py>(
-        &self,
-        py: Python<'py>,
-        columns: Bound<'py, PyDict>,
-        flight: Py<Flight>,
-    ) -> PyResult<(Bound<'py, PyBytes>, Option<String>)> {
-        let mut frames = frames::read(Step::Report, &Columns(columns))?;
-        let (lines, failure) = self.working(py, move |work| {
-            let mut lines = Vec::new();
-            for frame in &mut frames {
-                if let Err(failure) = work.stages.run_step(Step::Report, frame) {
-                    return (lines, Some(failure.to_string()));
-                }
-                flight.get().add(frame);
-                ResultsLine::of(frame).write(&mut lines).expect("memory");
-            }
-            (lines, None)
-        })?;
-        Ok((PyBytes::new(py, &lines), failure))
     }
 
     fn read(&self, py: Python<'_>, wanted: Wanted) -> PyResult<Recording> {

@@ -4,11 +4,9 @@
 
 mod answer;
 mod arrays;
-mod columns;
 mod engine;
 mod error;
 mod flight;
-mod frames;
 mod kept;
 mod map;
 mod navigator;

@@ -11,12 +11,9 @@ use crosscut_report::VEHICLE_WIDTH_M;
 use crosscut_stage::{Observer as _, ObserverError, Value};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 
-use crate::columns::Columns;
 use crate::engine::Engine;
 use crate::error::Class;
-use crate::frames::read_to_record;
 use crate::kept::Kept;
 
 /// A recording that is being written.
@@ -79,17 +76,6 @@ impl Recorder {
             return Err(Class::Error.error(py, text));
         };
         self.add(py, frame)
-    }
-
-    /// Runs the report of `engine` on frames in columns, up to the first that has failed, and adds them.
-    fn log_frames(&self, py: Python<'_>, columns: Bound<'_, PyDict>, engine: &Engine) -> PyResult<()> {
-        for mut frame in read_to_record(&Columns(columns))? {
-            if !engine.report_on(py, &mut frame)? {
-                break;
-            }
-            self.add(py, frame)?;
-        }
-        Ok(())
     }
 
     /// Ends the file.

@@ -14,7 +14,6 @@ import pytest
 from scipy import sparse
 
 import crosscut
-import crosscut.frames
 
 SCAN = crosscut.Scan(np.full(60, 2.0), -np.pi, np.pi / 30)
 
@@ -169,8 +168,6 @@ def uses(a: Any, b: Any, c: Any) -> list[Callable[[], Any]]:
         lambda: crosscut.Navigator(None, a, speed_max_m_s=b, turn_rate_max_rad_s=c),
         lambda: crosscut.Navigator().step(SCAN, a),
         lambda: crosscut.read("absent.mcap", a, read_as=b, from_s=c),
-        lambda: crosscut.frames.run(crosscut.Engine(), a, b),
-        lambda: crosscut.frames.finish(crosscut.Flight(), a),
     ]
 
 
@@ -184,5 +181,3 @@ def test_odd_arguments_raise_what_is_documented() -> None:
             use()
         except DOCUMENTED:
             pass
-        except KeyError as error:  # of crosscut.frames: a column that is missing
-            assert "frames have no column" in str(error)

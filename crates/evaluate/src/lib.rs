@@ -87,7 +87,6 @@ mod assignment;
 pub mod chart;
 mod confidence;
 mod contingency;
-mod contradictions;
 mod differences;
 mod evaluation;
 pub mod experiment;
@@ -108,7 +107,6 @@ pub mod verdict;
 
 pub use agreement::Agreement;
 pub use confidence::{BINS, Confidence, ReliabilityBin};
-pub use contradictions::{Contradiction, contradictions};
 pub use crosscut_stage::SURE;
 pub use differences::{Differences, Stretch};
 pub use evaluation::{Confusion, Evaluation, Figures, Labels, Openings};

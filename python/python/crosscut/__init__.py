@@ -11,8 +11,7 @@
 - :func:`run`, :func:`report`, :func:`sweep`: whole recordings into files. :mod:`crosscut.ray`: archives on a cluster.
 - :class:`Recorder`: scans, stages and reasons for the Rerun viewer. :func:`view`: a recording in it.
 - :func:`read`: the scans of a recording. :func:`results`: a file of results as a table.
-- :mod:`crosscut.sklearn`: an estimator. :mod:`crosscut.testing`: tests for a stage of one's own. :mod:`crosscut.frames`:
-  stages one at a time.
+- :mod:`crosscut.sklearn`: an estimator. :mod:`crosscut.testing`: tests for a stage of one's own.
 
 Bearings are in radians, anticlockwise from straight ahead; x is forward, y left; lengths are in metres.
 """
@@ -29,9 +28,9 @@ from ._recorder import Recorder, show
 from ._results import FollowedOpening, Here, Opening, Pose, Result, Steady, Wall, results
 
 if TYPE_CHECKING:
-    from . import frames, live, ray, sklearn, testing
+    from . import live, ray, sklearn, testing
 
-_LAZY = ("frames", "live", "ray", "sklearn", "testing")
+_LAZY = ("live", "ray", "sklearn", "testing")
 """Modules that are imported when they are asked for: some need packages that others do not."""
 
 

@@ -126,14 +126,11 @@ def swept(
     with importing("sweep()"):
         import pyarrow.parquet
 
-    parquet = out / "sweep.parquet"
-    before = _written(parquet)
     _finish(["sweep", *flights, "--out", out, *options, "--quiet"], command, stages)
     table = _table(out / "sweep.csv")
-    if _written(parquet) == before:  # the program in the wheel writes none
-        unfinished = out / f".{uuid.uuid4().hex}"
-        pyarrow.parquet.write_table(table, unfinished)
-        unfinished.replace(parquet)
+    unfinished = out / f".{uuid.uuid4().hex}"
+    pyarrow.parquet.write_table(table, unfinished)
+    unfinished.replace(out / "sweep.parquet")
     return table
 
 
@@ -145,7 +142,7 @@ FIGURES = ("mean_junctions", "mean_confidence", "sure", "right", "right_count", 
 
 
 def _table(path: Path) -> pyarrow.Table:
-    """The table of a sweep with the types that the program gives its Parquet: an axis has numbers if all its values are."""
+    """The table of a sweep with the types of its columns: an axis has numbers if all its values are."""
     import pyarrow as pa
     import pyarrow.csv
 
@@ -161,15 +158,6 @@ def _table(path: Path) -> pyarrow.Table:
             except pa.ArrowInvalid:
                 pass  # texts
     return table
-
-
-def _written(path: Path) -> tuple[int, int] | None:
-    """What changes when a file is written."""
-    try:
-        stat = path.stat()
-    except FileNotFoundError:
-        return None
-    return stat.st_ino, stat.st_mtime_ns
 
 
 def _own_stages(sections: Mapping[str, Any]) -> tuple[dict[str, Callable[..., Any]], dict[str, Any]]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from pathlib import Path
 from types import TracebackType
-from typing import Any
 
 from . import _native
 from ._engine import Engine, checked_engine
@@ -41,11 +40,6 @@ class Recorder:
         if result._kept is None:
             raise TypeError("a copy of a result cannot be recorded; record the result itself")
         self._native.log(result._kept)
-
-    def log_frames(self, columns: dict[str, Any]) -> None:
-        """Adds frames after kmeans in columns (:mod:`crosscut.frames`), up to the first that has failed. W and U are shown where
-        their columns are there."""
-        self._native.log_frames(columns, self._engine._native)
 
     def close(self) -> None:
         """Ends the file. It can be read before, up to its last 10 s."""

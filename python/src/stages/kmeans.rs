@@ -41,7 +41,7 @@ impl KmeansStage for PythonKmeans {
 }
 
 /// The number of clusters, and the labels with clusters numbered by their first return; a negative label is of no cluster.
-pub(crate) fn numbered_by_first_return(labels: &[i64]) -> (usize, Vec<Option<u32>>) {
+fn numbered_by_first_return(labels: &[i64]) -> (usize, Vec<Option<u32>>) {
     let mut numbers = BTreeMap::new();
     let mut number = |label: i64| {
         let next = numbers.len() as u32;

@@ -19,7 +19,6 @@ use pyo3::types::PyTuple;
 
 pub(crate) use self::affinity::KIND as AFFINITY;
 use self::kmeans::KIND as KMEANS;
-pub(crate) use self::kmeans::numbered_by_first_return;
 use self::spectral::KIND as SPECTRAL;
 
 const CALLABLE: Word = Word::any("callable", "").doc("the callable, as the package numbers it or module.name");
