@@ -289,7 +289,7 @@ note_codes! {
     "N080" ["report: no confidence"]
         seen "The affinity is one of your own, for which no confidence was calibrated."
         done "The answers have no confidence."
-        remedy "Measure how often it is right: `crosscut evaluate`.";
+        remedy "Measure how often it is right: `crosscut compare`.";
     "N081" ["report: returns stand"]
         seen "Neighbouring returns are so far apart that a gap between walls cannot be told from a gap between returns."
         done "The confidence is lowered."
