@@ -97,7 +97,7 @@ fn a_failing_configuration_is_named_and_the_others_are_compared() {
     let small = ["default", "paper,pipeline.memory_mb=2", "threshold"];
     let ran = compare(&shipped_flight(), &small, &["--json", "-"]).expect_code(1);
     assert!(
-        ran.stderr.contains("error: paper,pipeline.memory_mb=2: affinity failed on revolution 0"),
+        ran.stderr.contains("error: paper,pipeline.memory_mb=2: spectral failed on revolution 0"),
         "{}",
         ran.stderr
     );

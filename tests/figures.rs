@@ -1,4 +1,4 @@
-//! The pages that people read: their figures are the published ones, their links lead somewhere, their commands are those of CI.
+//! The pages that people read: their figures are the published ones, their links lead somewhere.
 
 use std::path::{Path, PathBuf};
 
@@ -155,17 +155,6 @@ fn the_first_command_of_the_readme_builds_no_rerun() {
     assert!(packages.contains("crosscut-spectral"), "{}", String::from_utf8_lossy(&out.stderr));
     let of_rerun: Vec<_> = packages.lines().filter(|line| line.starts_with("re") && line.contains("_sdk")).collect();
     assert!(of_rerun.is_empty(), "{of_rerun:?}");
-}
-
-#[test]
-fn ci_runs_the_commands_of_the_readme() {
-    let readme = read(&root().join("README.md"));
-    let ci = read(&root().join(".ci/run"));
-    for start in ["cargo test --release", "cargo run --release -- run"] {
-        let command = readme.lines().find(|line| line.starts_with(start)).expect(start);
-        let command = command.split("   ").next().unwrap_or(command).replace("--save tee.rrd", "--save target/tee.rrd");
-        assert!(ci.lines().any(|line| line.strip_prefix("step ") == Some(&command)), "{command}");
-    }
 }
 
 #[test]

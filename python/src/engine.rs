@@ -69,7 +69,7 @@ impl Engine {
     pub(crate) fn why(&self, py: Python<'_>, scan: &Scan, seq: u64, notes: Vec<String>) -> PyResult<String> {
         let text = py.detach(|| {
             let stages = Stages::new(&self.config, &self.registry);
-            let mut work = Work { stages, sensor: Sensor::new(self.config.params("ingest")), frame: Frame::default() };
+            let mut work = Work { stages, sensor: self.config.sensor(), frame: Frame::default() };
             work.process(scan, seq)?;
             work.frame.notes.clear();
             work.frame.notes.extend(notes);
@@ -135,7 +135,7 @@ impl Engine {
         let layers =
             [Preset::named(preset).map_err(refused)?.into(), Layer::settings("settings", &settings).map_err(refused)?];
         let config = Config::resolve(&registry, &layers).map_err(refused)?;
-        let sensor = Sensor::new(config.params("ingest"));
+        let sensor = config.sensor();
         let work = Work { stages: Stages::new(&config, &registry), sensor, frame: Frame::default() };
         let work = Mutex::new(work);
         let (stopped, keeps_frames) = (AtomicBool::new(false), AtomicBool::new(false));

@@ -123,7 +123,7 @@ pub(crate) fn robot_of(
     }
     let topic = address.splitn(4, '/').nth(3).unwrap_or_default().trim_matches('/').to_owned();
     let transforms = ["/tf", "/tf_static"].map(str::to_owned);
-    let odometry = Sensor::new(config.params("ingest")).odometry_topic().to_owned();
+    let odometry = config.sensor().odometry_topic().to_owned();
     let odometry = Some(odometry).filter(|odometry| !odometry.is_empty());
     let scanners = args.topic.clone();
     let beside = odometry.into_iter().chain(transforms.into_iter().filter(|_| !scanners.is_empty()));

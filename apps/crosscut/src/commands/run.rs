@@ -6,7 +6,6 @@ use std::time::Duration;
 use crosscut_detector::{Config, Registry};
 use crosscut_ingest::Truths;
 use crosscut_pipeline::{End, StopFlag};
-use crosscut_sensor::Sensor;
 use crosscut_stage::counted;
 
 use crate::cli::RunArgs;
@@ -46,7 +45,7 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry, robots: Option<&dyn Robot
         anyhow::bail!("no other output was requested");
     }
     let sends = args.publish.is_some();
-    let mut robot_answered = heard.map(|robot| live::Answered::new(robot, sends, Sensor::new(config.params("ingest"))));
+    let mut robot_answered = heard.map(|robot| live::Answered::new(robot, sends, config.sensor()));
     let is_numbered = robot.as_ref().is_none_or(|robot| robot.address.starts_with("zenoh"));
     let mut gaps = (!is_numbered).then(live::Gaps::default);
 

@@ -4,7 +4,6 @@ mod breakpoint;
 mod conformance;
 mod dbscan;
 mod passage;
-mod passage_clouds;
 mod rbf;
 mod threshold;
 
