@@ -197,8 +197,8 @@ impl Engine {
         self.stopped.store(true, Ordering::Relaxed);
     }
 
-    fn flight(&self, py: Python<'_>) -> PyResult<Flight> {
-        Flight::new(py, &self.config)
+    fn flight(&self) -> Flight {
+        Flight::new(&self.config)
     }
 
     /// As `process`; then the scan becomes a part of `flight`. `pose` is that of the vehicle by its odometry.
@@ -227,8 +227,8 @@ impl Engine {
     }
 
     /// The navigator of a vehicle with these limits: largest speed and largest turn rate.
-    fn navigator(&self, py: Python<'_>, planner: &str, limits: [f64; 2]) -> PyResult<Navigator> {
-        Navigator::new(py, &self.config, &self.registry, planner, limits)
+    fn navigator(&self, planner: &str, limits: [f64; 2]) -> PyResult<Navigator> {
+        Navigator::new(&self.config, &self.registry, planner, limits)
     }
 
     /// The command of a navigator after the next scan. `pose` is that of the vehicle by its odometry.

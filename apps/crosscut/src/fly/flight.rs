@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use crosscut_detector::Config;
-use crosscut_flight::check_live;
 use crosscut_ingest::{Following, LiveFeed, ReadOptions, Recording, Truths};
 use crosscut_stage::{Notes, Revolution, Source, SourceError, counted};
 
@@ -63,7 +62,6 @@ impl Flight {
         if inputs.iter().any(|input| input.as_os_str() == "-") {
             return Err(UsageError("--follow reads files; standard input is read as it comes anyway".to_owned()).into());
         }
-        check_live(config.params("flight")).map_err(|error| UsageError(error.to_string()))?;
         let sensor = config.sensor();
         let recording = Recording::follow(inputs, &args.read_options(config), &sensor, following)?;
         Ok(Self::flown(recording, inputs.last().cloned().unwrap_or_default()))
@@ -72,11 +70,7 @@ impl Flight {
     /// Opens standard input, to be read as it comes if it is an MCAP.
     pub(crate) fn of_standard_input(args: &InputArgs, config: &Config, following: &Following) -> anyhow::Result<Self> {
         let sensor = config.sensor();
-        let streamed = match check_live(config.params("flight")) {
-            Ok(()) => Recording::of_standard_input(&args.read_options(config), &sensor, following)?,
-            Err(_) => None, // later scans are known once all of it is there
-        };
-        match streamed {
+        match Recording::of_standard_input(&args.read_options(config), &sensor, following)? {
             Some(recording) => Ok(Self::flown(recording, PathBuf::from("-"))),
             None => Self::open(&args.recordings.input, args, config),
         }
@@ -90,7 +84,6 @@ impl Flight {
         config: &Config,
         following: &Following,
     ) -> anyhow::Result<Self> {
-        check_live(config.params("flight")).map_err(|error| UsageError(error.to_string()))?;
         let sensor = config.sensor();
         // The topic is named by the address; those of --topic are scanners beside it.
         let options = ReadOptions {

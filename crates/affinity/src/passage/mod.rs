@@ -3,6 +3,7 @@
 mod chains;
 mod context;
 mod dark;
+mod decision;
 mod gap;
 mod joining;
 mod judge;
@@ -14,7 +15,7 @@ mod terms;
 mod verdict;
 mod widths;
 
-use crosscut_scan::{Directions, LEAST_WALL_RETURNS, Lengths, Pieces, Scan};
+use crosscut_scan::{Directions, LEAST_WALL_RETURNS, Lengths, LostBeams, Pieces, Scan};
 use crosscut_stage::{
     Affinity, AffinityStage, Count, Flag, Invariance, Kind, Names, Notes, Number, Params, Revolution, StageError,
     Storage, Verdict, counted,
@@ -22,8 +23,8 @@ use crosscut_stage::{
 
 use chains::Chains;
 use context::{ScanContext, Thresholds};
-use judge::Judge;
-use verdict::DisabledRules;
+use judge::{Judge, lost_beams};
+use verdict::Rules;
 
 pub use odds::{MEASURES, Measures};
 
@@ -124,6 +125,7 @@ pub const KIND: Kind<dyn AffinityStage> = Kind::affinity(
 ///    one weak edge over each opening. Its eigenvalue is half of `leak`, divided by the odds (`odds.rs`) that a vehicle can pass.
 struct Passage {
     thresholds: Thresholds,
+    rules: Rules,
     wall_rad: f64,
     leak: f64,
     tells_widths: bool,
@@ -145,10 +147,10 @@ impl Passage {
             straight_rad: params.get(STRAIGHT_DEG).to_radians(),
             way_rad: params.get(WAY_DEG).to_radians(),
             clear_share: params.get(CLEAR_SHARE),
-            disabled: DisabledRules::new(&params.get(WITHOUT)),
         };
         Self {
             thresholds,
+            rules: Rules::without(&params.get(WITHOUT)),
             wall_rad: params.get(WALL_DEG).to_radians(),
             leak: params.get(LEAK),
             tells_widths: params.get(WIDTHS),
@@ -181,7 +183,7 @@ impl Passage {
         notes: &mut Notes,
     ) -> Result<(), StageError> {
         let Some(sweep) = revolution.beams() else { return Err(StageError::without_beams("passage")) };
-        let Self { thresholds, scan, directions, walls, .. } = self;
+        let Self { thresholds, rules, scan, directions, walls, .. } = self;
         let lengths = &thresholds.lengths;
         scan.make(sweep, &revolution.points_m, lengths)?;
         if scan.dust_returns > 0 {
@@ -199,8 +201,9 @@ impl Passage {
         // A step of 0 gives an infinite number: then no piece is a wall.
         let least_returns = ((self.wall_rad / scan.ring.step_rad).round() as usize).max(LEAST_WALL_RETURNS);
         directions.start(&scan.ring, &scan.roughness, lengths.stretch_m);
-        let context = ScanContext::new(scan, *thresholds, directions);
-        let mut judge = Judge::new(&context, directions);
+        let mut context = ScanContext { scan, thresholds: *thresholds, lost: LostBeams::default() };
+        context.lost = lost_beams(&context, directions);
+        let mut judge = Judge::new(&context, *rules, directions);
         walls.clone_from(&scan.pieces);
         let mut left_over = joining::join(&mut judge, walls, least_returns);
         if joining::cut_at_openings(&mut judge, walls) {

@@ -2,7 +2,6 @@
 
 mod breakpoint;
 mod conformance;
-mod dbscan;
 mod passage;
 mod rbf;
 mod threshold;
