@@ -17,7 +17,6 @@ use crosscut_stage::{Failure, FailureCause, Frame, SURE, Step, Timings, counted}
 
 use crate::configurations::Configuration;
 use crate::diagnostics::Diagnostics;
-use crate::exit::UsageError;
 use crate::fly::{Flight, Flown, Judge};
 
 /// A flight, and what every configuration makes of it.
@@ -141,30 +140,41 @@ pub(super) fn readers(
         }
     }
     let reader = |(_, places): (String, Vec<usize>)| {
-        let configs: Vec<&Config> = places.iter().map(|place| &configurations[*place].config).collect();
-        let flight = open(configs[0])?;
-        let variants = Variants::new(&configs, registry);
-        let (judge, frame) = (Judge::default(), Frame::default());
-        Ok(Reader { flight, judge, variants, places, frame, next: None, returns: 0 })
+        let flight = open(&configurations[places[0]].config)?;
+        Ok(Reader::new(flight, places, configurations, registry))
     };
     readings.into_iter().map(reader).collect()
 }
 
-/// The one reader of a flight that comes as it is made, and is read once.
+/// The one reader of a flight that comes as it is made: it is read once, as the first configuration reads scans.
 pub(super) fn only_reader(
     configurations: &[Configuration],
     registry: &Registry,
     flight: Flight,
-) -> anyhow::Result<Vec<Reader>> {
-    let mut flight = Some(flight);
-    readers(configurations, registry, |_| {
-        let twice = "what comes as it comes is read once; these configurations read scans in several ways (settings of ingest \
-                     or csv)";
-        flight.take().ok_or_else(|| UsageError(twice.to_owned()).into())
-    })
+    diagnostics: &mut Diagnostics,
+) -> Reader {
+    let reading = |of: &Configuration| settings_of_step(&of.config, Step::Ingest);
+    let first = reading(&configurations[0]);
+    for of in &configurations[1..] {
+        let other = reading(of);
+        let unused: Vec<&str> = other.lines().filter(|line| !first.lines().any(|known| known == *line)).collect();
+        if !unused.is_empty() {
+            let (first, unused) = (&configurations[0].name, unused.join(", "));
+            diagnostics
+                .note(format_args!("scans come once, as {first} reads them; {unused} of {} has no effect", of.name));
+        }
+    }
+    Reader::new(flight, (0..configurations.len()).collect(), configurations, registry)
 }
 
 impl Reader {
+    /// Of the configurations at these places, which read scans in one way.
+    fn new(flight: Flight, places: Vec<usize>, configurations: &[Configuration], registry: &Registry) -> Self {
+        let configs: Vec<&Config> = places.iter().map(|place| &configurations[*place].config).collect();
+        let (variants, judge, frame) = (Variants::new(&configs, registry), Judge::default(), Frame::default());
+        Self { flight, judge, variants, places, frame, next: None, returns: 0 }
+    }
+
     fn seq(&self) -> Option<u64> {
         self.next.as_ref().map(|_| self.frame.revolution.seq)
     }

@@ -48,7 +48,7 @@ pub(crate) fn compare(args: &CompareArgs, registry: &Registry, robots: Option<&d
     let mut diagnostics = Diagnostics::default();
     let all = All { args, configurations: &configurations, registry, stop: &stop };
     let compared = match Coming::open(&args.input, &args.live, robot.as_ref(), config, &stop, robots)? {
-        Some(coming) => vec![all.as_it_comes(coming)?],
+        Some(coming) => vec![all.as_it_comes(coming, &mut diagnostics)?],
         None => {
             let (flights, revolutions) = all.inputs(&mut diagnostics)?;
             all.in_parallel(&flights, progress::bar(revolutions, args.quiet), &mut diagnostics)?
@@ -115,7 +115,9 @@ impl All<'_> {
                 Err(error) => refused.push(error),
             }
         }
-        if let (true, Some(last)) = (kept.is_empty(), refused.pop()) {
+        if kept.is_empty()
+            && let Some(last) = refused.pop()
+        {
             refused.iter().for_each(|error| diagnostics.error(format_args!("{error:#}")));
             return Err(last); // which is printed at the end of the command
         }
@@ -171,8 +173,8 @@ impl All<'_> {
         flight::compare((name, parts), readers, self.configurations, self.stop, &|| bar.inc(1))
     }
 
-    /// Compares what is read once, as it comes.
-    fn as_it_comes(&self, coming: Coming) -> anyhow::Result<Compared> {
+    /// Compares what is read once, as it comes: as the first configuration reads it.
+    fn as_it_comes(&self, coming: Coming, diagnostics: &mut Diagnostics) -> anyhow::Result<Compared> {
         if self.configurations.len() == 1 {
             let usage = "compare needs at least two configurations: --with default --with paper";
             return Err(UsageError(usage.to_owned()).into());
@@ -183,7 +185,7 @@ impl All<'_> {
         // What comes as it comes is not cut short: it ends once what was read is answered.
         let stop = if flight.is_stream() { &StopFlag::default() } else { self.stop };
         let name = self.args.input.recordings.input[0].display().to_string();
-        let readers = flight::only_reader(self.configurations, self.registry, flight)?;
+        let readers = vec![flight::only_reader(self.configurations, self.registry, flight, diagnostics)];
         let each = || {
             silence.end();
             bar.inc(1);
