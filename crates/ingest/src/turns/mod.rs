@@ -10,7 +10,7 @@ use std::collections::VecDeque;
 
 use crosscut_messages::{LaserScan, ScanMessage};
 use crosscut_sensor::{LEARNED_SCANS, Motion, Sensor, View};
-use crosscut_stage::{NoteCode, Notes, Revolution};
+use crosscut_stage::{Notes, Revolution};
 
 use self::segments::Joiner;
 pub(crate) use self::turn::Turn;

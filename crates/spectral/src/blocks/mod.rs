@@ -7,7 +7,7 @@ mod order;
 mod split;
 
 use crosscut_stage::NoteCode::{N071, N072};
-use crosscut_stage::{Affinity, Embedding, Kind, Notes, Number, SpectralStage, Spectrum, StageError};
+use crosscut_stage::{Affinity, Embedding, Kind, Notes, SpectralStage, Spectrum, StageError};
 
 use crate::degrees::check_degrees;
 use crate::faer_evd::FaerEvd;
