@@ -1,11 +1,7 @@
 //! The report stage: walls, then openings, then the name of the place.
 
-<<<<<<< HEAD
 use crosscut_scan::{ISLAND_M, VEHICLE_WIDTH_M};
-=======
-use crosscut_scan::VEHICLE_WIDTH_M;
 use crosscut_stage::NoteCode::{N080, N081, N082};
->>>>>>> main
 use crosscut_stage::{
     Count, Junction, Notes, Number, ParamSpec, Params, Partition, Revolution, Spectrum, StageError, Sweep, Verdict,
     Word,

@@ -15,12 +15,8 @@ mod terms;
 mod verdict;
 mod widths;
 
-<<<<<<< HEAD
 use crosscut_scan::{Directions, ISLAND_M, LEAST_WALL_RETURNS, Lengths, LostBeams, Pieces, Scan, VEHICLE_WIDTH_M};
-=======
-use crosscut_scan::{Directions, LEAST_WALL_RETURNS, Lengths, LostBeams, Pieces, Scan};
 use crosscut_stage::NoteCode::{N060, N061};
->>>>>>> main
 use crosscut_stage::{
     Affinity, AffinityStage, Flag, Invariance, Kind, Names, Notes, Number, Params, Revolution, StageError, Storage,
     Verdict, counted,
@@ -144,15 +140,12 @@ impl Passage {
         }
         if scan.self_returns > 0 {
             let (inside, inside_m) = (counted(scan.self_returns as u64, "return"), lengths.passage_m / 2.0);
-<<<<<<< HEAD
-            notes.add(format!(
-                "passage: {inside} within the vehicle, nearer than {inside_m} m (half of vehicle.width_m), ignored"
-=======
-            notes.add(N061, format!(
-                "passage: {inside} within the vehicle, nearer than {inside_m} m (half of affinity.passage_m, which is \
-                 vehicle.width_m unless it is set), ignored"
->>>>>>> main
-            ));
+            notes.add(
+                N061,
+                format!(
+                    "passage: {inside} within the vehicle, nearer than {inside_m} m (half of vehicle.width_m), ignored"
+                ),
+            );
         }
 
         // A step of 0 gives an infinite number: then no piece is a wall.
