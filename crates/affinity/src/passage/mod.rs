@@ -138,9 +138,12 @@ impl Passage {
         }
         if scan.self_returns > 0 {
             let (inside, inside_m) = (counted(scan.self_returns as u64, "return"), lengths.passage_m / 2.0);
-            notes.add(N061, format!(
-                "passage: {inside} within the vehicle, nearer than {inside_m} m (half of vehicle.width_m), ignored"
-            ));
+            notes.add(
+                N061,
+                format!(
+                    "passage: {inside} within the vehicle, nearer than {inside_m} m (half of vehicle.width_m), ignored"
+                ),
+            );
         }
 
         // A step of 0 gives an infinite number: then no piece is a wall.
