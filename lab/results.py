@@ -11,8 +11,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 MADE, JSON, PAGE = ROOT / "target/docs", ROOT / "docs/results.json", ROOT / "docs/results.md"
-METHODS = ["default", "paper", "clear_width", "threshold", "breakpoint", "dbscan"]
-EVALUATE = "--with paper --with default --with clear_width --with threshold --with breakpoint --with dbscan"
+METHODS = ["default", "paper", "clear_width", "threshold", "breakpoint"]
+EVALUATE = "--with paper --with default --with clear_width --with threshold --with breakpoint"
 OF_EFFECTS = ["paper", "clear_width", "default"]
 # The scans that are reported as "a revolution": dense720 has twice as many beams.
 OTHER_BEAMS = "dense720"

@@ -72,12 +72,6 @@ fn several_missions_are_a_table() {
     assert_eq!(ran.stderr, "");
 }
 
-#[test]
-fn settings_that_need_later_scans_are_refused() {
-    let refused = run(["explore", "tee", "--set", "flight.look_ahead=5"]).expect_code(2).stderr;
-    assert!(refused.contains("flight.look_ahead is for recordings"), "{refused}");
-}
-
 #[cfg(feature = "rerun")]
 #[test]
 fn a_mission_is_recorded_for_the_viewer() {

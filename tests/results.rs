@@ -157,20 +157,3 @@ fn results_that_cannot_be_ended_leave_the_map() {
     let map: Value = serde_json::from_slice(&std::fs::read(&map).expect("written")).expect("JSON");
     assert!(map["nodes"].is_array());
 }
-
-#[test]
-fn looking_ahead_the_steady_answer_is_sooner_and_nothing_else_differs() {
-    let flight = shipped_flight();
-    let (_, mut alone) = results_of(&flight, &["--quiet"]);
-    let ahead = ["--quiet", "--set", "flight.look_ahead=10"];
-    let (ran, mut smoothed) = results_of(&flight, &ahead);
-    ran.expect_code(0);
-    let (_, threaded) = results_of(&flight, &[&ahead[..], &["--set", "pipeline.workers=3"]].concat());
-    assert_eq!(smoothed, threaded, "whatever the number of workers");
-    let late = |lines: &[Value]| lines.iter().filter(|line| line["steady"]["junctions"] != line["junctions"]).count();
-    assert!(late(&smoothed) < late(&alone), "{} {}", late(&smoothed), late(&alone));
-    for line in alone.iter_mut().chain(&mut smoothed) {
-        line.as_object_mut().expect("an object").remove("steady").expect("a steady answer");
-    }
-    assert_eq!(alone, smoothed);
-}

@@ -77,7 +77,7 @@ fn a_sweep_that_was_killed_goes_on_and_ends_with_the_same_bytes() {
     assert_eq!(answers(&killed), answers(&whole));
     assert_eq!(std::fs::metadata(&files[2]).expect("there").modified().expect("a time"), untouched);
     // A wider grid keeps what is there.
-    sweep(&killed, &["--grid", "preset=threshold,default,dbscan", GRID[2], GRID[3]]).expect_code(0);
+    sweep(&killed, &["--grid", "preset=threshold,default,breakpoint", GRID[2], GRID[3]]).expect_code(0);
     assert_eq!(kept(&killed).len(), 6);
 }
 

@@ -69,7 +69,7 @@ impl Engine {
     pub(crate) fn why(&self, py: Python<'_>, scan: &Scan, seq: u64, notes: Vec<String>) -> PyResult<String> {
         let text = py.detach(|| {
             let stages = Stages::new(&self.config, &self.registry);
-            let mut work = Work { stages, sensor: Sensor::new(self.config.params("ingest")), frame: Frame::default() };
+            let mut work = Work { stages, sensor: self.config.sensor(), frame: Frame::default() };
             work.process(scan, seq)?;
             work.frame.notes.clear();
             work.frame.notes.extend(notes);
@@ -135,7 +135,7 @@ impl Engine {
         let layers =
             [Preset::named(preset).map_err(refused)?.into(), Layer::settings("settings", &settings).map_err(refused)?];
         let config = Config::resolve(&registry, &layers).map_err(refused)?;
-        let sensor = Sensor::new(config.params("ingest"));
+        let sensor = config.sensor();
         let work = Work { stages: Stages::new(&config, &registry), sensor, frame: Frame::default() };
         let work = Mutex::new(work);
         let (stopped, keeps_frames) = (AtomicBool::new(false), AtomicBool::new(false));
@@ -197,8 +197,8 @@ impl Engine {
         self.stopped.store(true, Ordering::Relaxed);
     }
 
-    fn flight(&self, py: Python<'_>) -> PyResult<Flight> {
-        Flight::new(py, &self.config)
+    fn flight(&self) -> Flight {
+        Flight::new(&self.config)
     }
 
     /// As `process`; then the scan becomes a part of `flight`. `pose` is that of the vehicle by its odometry.
@@ -227,8 +227,8 @@ impl Engine {
     }
 
     /// The navigator of a vehicle with these limits: largest speed and largest turn rate.
-    fn navigator(&self, py: Python<'_>, planner: &str, limits: [f64; 2]) -> PyResult<Navigator> {
-        Navigator::new(py, &self.config, &self.registry, planner, limits)
+    fn navigator(&self, planner: &str, limits: [f64; 2]) -> PyResult<Navigator> {
+        Navigator::new(&self.config, &self.registry, planner, limits)
     }
 
     /// The command of a navigator after the next scan. `pose` is that of the vehicle by its odometry.

@@ -3,14 +3,13 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crosscut_detector::Config;
-use crosscut_flight::{Flight as Poses, FlightAnswer, Mapper, check_live};
+use crosscut_flight::{Flight as Poses, FlightAnswer, Mapper};
 use crosscut_report::VEHICLE_WIDTH_M;
 use crosscut_sensor::{Live, Sensor};
 use crosscut_stage::Frame;
 use nalgebra::Isometry2;
 use pyo3::prelude::*;
 
-use crate::error::Class;
 use crate::map::Map;
 use crate::scan::Scan;
 use crate::values::xy_yaw;
@@ -31,12 +30,11 @@ struct State {
 }
 
 impl Flight {
-    pub(crate) fn new(py: Python<'_>, config: &Config) -> PyResult<Self> {
+    pub(crate) fn new(config: &Config) -> Self {
         let params = config.params("flight");
-        check_live(params).map_err(|error| Class::Settings.because(py, &error))?;
         let poses = Poses::new(params, config.params("vehicle").get(VEHICLE_WIDTH_M));
         let state = State { live: Live::default(), poses, mapper: Mapper::default(), pose: None };
-        Ok(Self { state: Mutex::new(state) })
+        Self { state: Mutex::new(state) }
     }
 
     fn state(&self) -> MutexGuard<'_, State> {

@@ -3,14 +3,13 @@
 use std::sync::{Mutex, PoisonError};
 
 use crosscut_detector::{Config, Failure, Registry, nearest_and_all};
-use crosscut_flight::{FlightAnswer, check_live};
+use crosscut_flight::FlightAnswer;
 use crosscut_navigate::{Limits, Pilot, PlannerKind, Step, planners};
 use crosscut_report::VEHICLE_WIDTH_M;
 use crosscut_sensor::Live;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::error::Class;
 use crate::map::Map;
 use crate::scan::Scan;
 use crate::values::{Pose, xy_yaw};
@@ -27,7 +26,6 @@ pub(crate) struct Navigator {
 
 impl Navigator {
     pub(crate) fn new(
-        py: Python<'_>,
         config: &Config,
         registry: &Registry,
         planner: &str,
@@ -42,7 +40,6 @@ impl Navigator {
             let all: Vec<&str> = planners().iter().map(|kind| kind.name).collect();
             PyValueError::new_err(format!("there is no planner {planner:?}; {}", nearest_and_all(planner, &all)))
         })?;
-        check_live(config.params("flight")).map_err(|error| Class::Settings.because(py, &error))?;
         let radius_m = 0.5 * config.params("vehicle").get(VEHICLE_WIDTH_M);
         let limits = Limits { speed_max_m_s, turn_rate_max_rad_s, radius_m };
         Ok(Self { state: Mutex::new((Pilot::new(config, registry, *kind, limits), Live::default())) })

@@ -7,7 +7,6 @@ use std::sync::{Mutex, PoisonError};
 use crosscut_detector::Config;
 use crosscut_ingest::{CsvGeometry, ReadOptions, Recording as Ingest};
 use crosscut_messages::ScanType;
-use crosscut_sensor::Sensor;
 use crosscut_stage::{Notes, Revolution, Source};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -54,7 +53,7 @@ impl Recording {
             csv: CsvGeometry::new(config.params("csv")),
             waiting_bytes: config.waiting_bytes(),
         };
-        let sensor = Sensor::new(config.params("ingest"));
+        let sensor = config.sensor();
         let opened = py.detach(|| Ingest::open(&wanted.paths, &options, sensor));
         Ok(Self { ingest: Mutex::new(opened.map_err(|error| Class::Read.because(py, &error))?) })
     }

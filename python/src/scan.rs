@@ -25,6 +25,8 @@ enum Content {
     Message { message: ScanMessage, stamp_ns: u64, odometry: Odometry },
     /// A revolution, with what ingest noted of it.
     Revolution(Revolution, Notes),
+    /// The points of a cloud in the body frame, of which the vehicle of an engine sees a level revolution.
+    Points(Revolution),
 }
 
 impl Scan {
@@ -40,7 +42,7 @@ impl Scan {
     pub(crate) fn span_ns(&self) -> Option<[u64; 2]> {
         match &self.content {
             Content::Message { message, .. } => Some(Live::span_ns(message)),
-            Content::Revolution(..) => None,
+            Content::Revolution(..) | Content::Points(_) => None,
         }
     }
 
@@ -55,6 +57,7 @@ impl Scan {
             Content::Revolution(revolution, notes) => {
                 (Content::Revolution(revolution.clone(), notes.clone()), revolution.odometry)
             }
+            Content::Points(points) => (Content::Points(points.clone()), None),
         };
         (Self { seq: self.seq, content }, pose)
     }
@@ -72,17 +75,21 @@ impl Scan {
                 frame.revolution.clone_from(revolution);
                 frame.notes.clone_from(notes);
             }
+            Content::Points(points) => {
+                frame.revolution.clone_from(points);
+                sensor.level(&mut frame.revolution, &mut frame.notes);
+            }
         }
         frame.revolution.seq = self.seq.unwrap_or(seq);
     }
 
-    /// The ranges and the geometry of the message, untouched; `None` for a cloud.
+    /// The ranges and the geometry of the message, untouched; `None` for a cloud that was not recorded.
     fn wire(&self) -> Option<(&[f32], [f32; 4])> {
         match &self.content {
             Content::Message { message: ScanMessage::Scan(scan), .. } => {
                 Some((&scan.ranges, [scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max]))
             }
-            Content::Message { message: ScanMessage::Cloud(_), .. } => None,
+            Content::Message { message: ScanMessage::Cloud(_), .. } | Content::Points(_) => None,
             Content::Revolution(revolution, _) => {
                 revolution.sweep.as_ref().map(|sweep| (&sweep.ranges_m[..], sweep.wire_geometry))
             }
@@ -122,6 +129,16 @@ impl Scan {
     #[staticmethod]
     #[pyo3(signature = (points, *, stamp_ns=Whole(0), seq=None, frame_id=String::new()))]
     fn from_points(points: &Bound<'_, PyAny>, stamp_ns: Whole, seq: Option<Whole>, frame_id: String) -> PyResult<Self> {
+        let points = Self::without_beams(points)?;
+        let Content::Revolution(points, _) = points.content else { return Ok(points) };
+        let content = Content::Points(Revolution { stamp_ns: stamp_ns.0, frame_id, ..points });
+        Ok(Self { seq: seq.map(|seq| seq.0), content })
+    }
+
+    /// Points as they are, all of them returns without beams: for affinities that need none.
+    #[staticmethod]
+    #[pyo3(name = "_without_beams")]
+    fn without_beams(points: &Bound<'_, PyAny>) -> PyResult<Self> {
         let matrix = Matrix::of(points, |[n, dimensions]| n <= MOST_POINTS && (2..=3).contains(&dimensions))?;
         let [n, dimensions] = matrix.shape();
         if !(2..=3).contains(&dimensions) {
@@ -135,8 +152,8 @@ impl Scan {
         if let Some(at) = points_m.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
             return Err(PyValueError::new_err(format!("point {at} is not finite")));
         }
-        let revolution = Revolution { stamp_ns: stamp_ns.0, frame_id, points_m, ..Revolution::default() };
-        Ok(Self { seq: seq.map(|seq| seq.0), content: Content::Revolution(revolution, Notes::default()) })
+        let revolution = Revolution { points_m, ..Revolution::default() };
+        Ok(Self { seq: None, content: Content::Revolution(revolution, Notes::default()) })
     }
 
     /// A message as it is on the wire, of any type and encoding that recordings may have.
@@ -166,7 +183,7 @@ impl Scan {
     fn stamp_ns(&self) -> u64 {
         match &self.content {
             Content::Message { stamp_ns, .. } => *stamp_ns,
-            Content::Revolution(revolution, _) => revolution.stamp_ns,
+            Content::Revolution(revolution, _) | Content::Points(revolution) => revolution.stamp_ns,
         }
     }
 
@@ -174,7 +191,7 @@ impl Scan {
     fn frame_id(&self) -> &str {
         match &self.content {
             Content::Message { message, .. } => &message.header().frame_id,
-            Content::Revolution(revolution, _) => &revolution.frame_id,
+            Content::Revolution(revolution, _) | Content::Points(revolution) => &revolution.frame_id,
         }
     }
 
@@ -205,6 +222,9 @@ impl Scan {
 
     #[getter]
     fn points<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        if let Content::Points(points) = &self.content {
+            return arrays::points(py, &points.points_m);
+        }
         let mut frame = Frame::default();
         self.write(&mut Live::default(), &Sensor::default(), 0, &mut frame);
         arrays::points(py, &frame.revolution.points_m)
@@ -213,7 +233,7 @@ impl Scan {
     #[getter]
     fn notes(&self) -> Vec<String> {
         match &self.content {
-            Content::Message { .. } => Vec::new(),
+            Content::Message { .. } | Content::Points(_) => Vec::new(),
             Content::Revolution(_, notes) => notes.iter().map(str::to_owned).collect(),
         }
     }
@@ -225,7 +245,7 @@ impl Scan {
             (None, Content::Message { message: ScanMessage::Cloud(cloud), .. }) => {
                 format!("points={}", cloud.points_m.len())
             }
-            (None, Content::Revolution(cloud, _)) => format!("points={}", cloud.len()),
+            (None, Content::Revolution(points, _) | Content::Points(points)) => format!("points={}", points.len()),
             (None, Content::Message { .. }) => unreachable!("a scan has ranges"),
         };
         format!("Scan({seq}{content}, stamp_ns={})", self.stamp_ns())

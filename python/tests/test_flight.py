@@ -55,10 +55,3 @@ def test_a_given_pose_is_the_odometry() -> None:
     for x_m in (5.0, 6.0):
         flight.process(crosscut.Scan(ranges, 0.0, np.pi / 180, range_max=30.0), pose=(x_m, 1.0, np.pi / 2))
     assert flight.pose == pytest.approx((0.0, -1.0, 0.0)), "in the frame of the first scan"
-
-
-def test_a_setting_that_looks_ahead_is_refused() -> None:
-    engine = crosscut.Engine(flight={"look_ahead": 5})
-    for on_the_way in (crosscut.Flight, crosscut.Navigator):
-        with pytest.raises(crosscut.SettingsError, match="look_ahead"):
-            on_the_way(engine)

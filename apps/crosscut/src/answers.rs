@@ -4,9 +4,8 @@ use std::collections::BTreeMap;
 use std::io::{self, Write};
 
 use crosscut_messages::{
-    CDR_ENCODING, Cloud, Endian, Header, JSON_ENCODING, JSON_SCHEMA_ENCODING, LaserScan, Message, POINTS_TOPIC,
-    PROTOBUF_ENCODING, PointCloud2, SCAN_TOPIC, SCENE_SCHEMA_NAME, SCHEMA_ENCODING, Scene, SceneArrow, SceneLine,
-    SceneText, Time,
+    CDR_ENCODING, Endian, Header, JSON_ENCODING, JSON_SCHEMA_ENCODING, LaserScan, Message, PROTOBUF_ENCODING,
+    SCAN_TOPIC, SCENE_SCHEMA_NAME, SCHEMA_ENCODING, Scene, SceneArrow, SceneLine, SceneText, Time,
 };
 use crosscut_report::{RESULTS_SCHEMA_NAME, RESULTS_SCHEMA_TEXT, ResultsLine};
 use crosscut_sensor::Sensor;
@@ -47,13 +46,7 @@ impl<W: Write> AnswersFile<W> {
     /// Writes the scan of a finished frame and its answer, at the stamp of the scan.
     pub(crate) fn take(&mut self, frame: &Frame) -> io::Result<()> {
         let stamp_ns = frame.revolution.stamp_ns;
-        match scan(frame) {
-            Some(scan) => self.write(SCAN_TOPIC, stamp_ns, &scan.encode(Endian::Little))?,
-            None => {
-                let cloud = PointCloud2::from(&self.cloud(frame));
-                self.write(POINTS_TOPIC, stamp_ns, &cloud.encode(Endian::Little))?;
-            }
-        }
+        self.write(SCAN_TOPIC, stamp_ns, &scan(frame).encode(Endian::Little))?;
         let mut line = Vec::new();
         ResultsLine::of(frame).write(&mut line)?;
         self.write(RESULTS_TOPIC, stamp_ns, &line)?;
@@ -84,9 +77,6 @@ impl<W: Write> AnswersFile<W> {
                 SCAN_TOPIC => {
                     (LaserScan::SCHEMA_NAME, SCHEMA_ENCODING, LaserScan::SCHEMA_TEXT.as_bytes(), CDR_ENCODING)
                 }
-                POINTS_TOPIC => {
-                    (PointCloud2::SCHEMA_NAME, SCHEMA_ENCODING, PointCloud2::SCHEMA_TEXT.as_bytes(), CDR_ENCODING)
-                }
                 SCENE_TOPIC => (SCENE_SCHEMA_NAME, PROTOBUF_ENCODING, Scene::schema(), PROTOBUF_ENCODING),
                 _ => (RESULTS_SCHEMA_NAME, JSON_SCHEMA_ENCODING, RESULTS_SCHEMA_TEXT.as_bytes(), JSON_ENCODING),
             };
@@ -98,12 +88,6 @@ impl<W: Write> AnswersFile<W> {
         let header = MessageHeader { channel_id: *channel_id, sequence: *sequence, log_time, publish_time: log_time };
         *sequence = sequence.wrapping_add(1);
         mcap.write_to_known_channel(&header, data).map_err(as_io)
-    }
-
-    fn cloud(&self, frame: &Frame) -> Cloud {
-        let points = frame.revolution.points_m.iter();
-        let points_m = points.map(|point_m| self.sensor.in_sensor_frame(*point_m).into()).collect();
-        Cloud { header: header(frame), points_m, ..Cloud::default() }
     }
 }
 
@@ -147,11 +131,11 @@ pub fn scene(frame: &Frame, sensor: &Sensor) -> Scene {
     Scene { stamp_ns: revolution.stamp_ns, frame_id: revolution.frame_id.clone(), lines, arrows, texts }
 }
 
-/// The scan as it was recorded; `None` for a cloud.
-fn scan(frame: &Frame) -> Option<LaserScan> {
-    let sweep = frame.revolution.beams()?;
+/// The scan as it was recorded; of a cloud, what a level vehicle sees of it.
+fn scan(frame: &Frame) -> LaserScan {
+    let Some(sweep) = &frame.revolution.sweep else { return LaserScan::default() };
     let [angle_min, angle_increment, range_min, range_max] = sweep.wire_geometry;
-    Some(LaserScan {
+    LaserScan {
         header: header(frame),
         angle_min,
         angle_max: angle_min + angle_increment * sweep.ranges_m.len().saturating_sub(1) as f32,
@@ -160,7 +144,7 @@ fn scan(frame: &Frame) -> Option<LaserScan> {
         range_max,
         ranges: sweep.ranges_m.clone(),
         ..LaserScan::default()
-    })
+    }
 }
 
 fn header(frame: &Frame) -> Header {

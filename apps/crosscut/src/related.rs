@@ -27,7 +27,7 @@ pub(crate) fn refuse_unrelated(inputs: &[PathBuf], args: &InputArgs, config: &Co
     if files.len() < 2 {
         return Ok(());
     }
-    let (sensor, options) = (Sensor::new(config.params("ingest")), args.read_options(config));
+    let (sensor, options) = (config.sensor(), args.read_options(config));
     let mut before: Option<(&Path, ScanDescription)> = None;
     for file in &files {
         let Some(scan) = first_scan(file, &sensor, &options) else { continue };

@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 use crosscut_detector::Config;
 use crosscut_flight::{Mapper, NoPlace};
 use crosscut_report::ResultsLine;
-use crosscut_sensor::Sensor;
 use crosscut_stage::Frame;
 
 use crate::answers::AnswersFile;
@@ -93,7 +92,7 @@ impl Results {
     fn create(path: &Path, config: &Config, read: &[PathBuf]) -> anyhow::Result<Self> {
         let out = outputs::grow(path, read)?;
         if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mcap")) {
-            return Ok(Self::Mcap(Box::new(AnswersFile::new(out, Sensor::new(config.params("ingest"))))));
+            return Ok(Self::Mcap(Box::new(AnswersFile::new(out, config.sensor()))));
         }
         Ok(Self::Lines(out))
     }

@@ -8,7 +8,7 @@
 //! range of the return before; its drawing shows the nearer one, which gives the same answer in both directions of
 //! turning. Neighbours are successive returns with at most `missing_beams` beams between them (nothing in range, masked
 //! or unreadable, all alike); Δφ is the angle between the two, and they break if it reaches λ. In a full turn the last
-//! return is a neighbour of the first. A cloud has no neighbouring beams, so a sweep is needed.
+//! return is a neighbour of the first. Points without beams have no neighbours, so a sweep is needed.
 
 use crosscut_stage::{
     Affinity, AffinityStage, Beam, Count, Invariance, Kind, Notes, Number, Revolution, StageError, Storage, Sweep,
@@ -92,10 +92,7 @@ impl Breakpoint {
 impl AffinityStage for Breakpoint {
     fn weigh(&mut self, revolution: &Revolution, out: &mut Affinity, _: &mut Notes) -> Result<(), StageError> {
         let n = revolution.len();
-        let Some(sweep) = revolution.beams() else {
-            let message = "affinity `breakpoint` needs the beams of a 2D sweep, which a point cloud does not have";
-            return Err(StageError::Unsupported(message.to_owned()));
-        };
+        let Some(sweep) = revolution.beams() else { return Err(StageError::without_beams("breakpoint")) };
         self.read_beams(sweep, n)?;
         self.tied_to_next.clear();
         for i in 0..n {

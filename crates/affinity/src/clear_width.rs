@@ -50,10 +50,7 @@ struct ClearWidth {
 
 impl AffinityStage for ClearWidth {
     fn weigh(&mut self, revolution: &Revolution, out: &mut Affinity, _: &mut Notes) -> Result<(), StageError> {
-        let Some(sweep) = revolution.as_sweep() else {
-            let message = "affinity `clear_width` needs the beams of a 2D sweep, which a point cloud does not have";
-            return Err(StageError::Unsupported(message.to_owned()));
-        };
+        let Some(sweep) = revolution.beams() else { return Err(StageError::without_beams("clear_width")) };
         let Self { passage_m, scan, next } = self;
         let lengths = Lengths { passage_m: *passage_m, island_m: ISLAND_M, stretch_m: LINE_M };
         scan.make(sweep, &revolution.points_m, &lengths)?;

@@ -9,11 +9,10 @@
 //! | `rbf` | exp(-σ ‖x_i - x_j‖²), the paper's equation (1) | dense |
 //! | `threshold` | 1 if ‖x_i - x_j‖ <= radius, else 0 | sparse |
 //! | `breakpoint` | 1 between neighbouring beams without a jump of the range, else 0; needs beams | sparse |
-//! | `dbscan` | 1 between cores in reach, and from a border return to one core, else 0 | sparse |
 //! | `clear_width` | 1 between neighbours of one wall, which ends at gaps as wide as a vehicle, else 0; needs beams | sparse |
 //! | `passage` | Π exp(-cost) over the gaps between i and j along one wall, else 0 | sparse |
 //!
-//! `threshold`, `breakpoint`, `dbscan` and `clear_width` are baselines. Each clusters by the components of its 0/1 graph, and goes
+//! `threshold`, `breakpoint` and `clear_width` are baselines. Each clusters by the components of its 0/1 graph, and goes
 //! through the same stages as the rest: their components are its zero eigenvalues. Their defaults were chosen on the
 //! development scenes of the simulator, with small components left out (kmeans `components`, `min_cluster`).
 //!
@@ -38,12 +37,10 @@
 //! [`Revolution`]: crosscut_stage::Revolution
 //! [`Affinity`]: crosscut_stage::Affinity
 
-mod columns;
 mod edges;
 
 pub mod breakpoint;
 pub mod clear_width;
-pub mod dbscan;
 pub mod passage;
 pub mod rbf;
 pub mod threshold;
@@ -52,4 +49,4 @@ use crosscut_stage::{AffinityStage, Kind};
 
 /// The affinities that crosscut ships, in the order in which messages list them; the first is the default.
 pub const KINDS: &[Kind<dyn AffinityStage>] =
-    &[rbf::KIND, passage::KIND, clear_width::KIND, threshold::KIND, breakpoint::KIND, dbscan::KIND];
+    &[rbf::KIND, passage::KIND, clear_width::KIND, threshold::KIND, breakpoint::KIND];

@@ -4,8 +4,8 @@
 //! distances alone, so it is blind to every rigid motion, to mirroring, and to the order of the returns.
 
 use crosscut_stage::{Affinity, AffinityStage, Invariance, Kind, Notes, Number, Revolution, StageError, Storage};
+use nalgebra::distance_squared;
 
-use crate::columns::Columns;
 use crate::edges::write_edges;
 
 const RADIUS_M: Number =
@@ -14,7 +14,7 @@ const RADIUS_M: Number =
 /// The threshold graph.
 pub const KIND: Kind<dyn AffinityStage> =
     Kind::affinity("threshold", "a 0/1 graph: an edge between any two returns within a radius (baseline)", |params| {
-        Box::new(Threshold { radius_m: params.get(RADIUS_M), columns: Columns::default() })
+        Box::new(Threshold { radius_m: params.get(RADIUS_M) })
     })
     .params(&[RADIUS_M.spec])
     .storage(Storage::Sparse(|_, n| n))
@@ -22,14 +22,16 @@ pub const KIND: Kind<dyn AffinityStage> =
 
 struct Threshold {
     radius_m: f64,
-    columns: Columns,
 }
 
 impl AffinityStage for Threshold {
     fn weigh(&mut self, revolution: &Revolution, out: &mut Affinity, _: &mut Notes) -> Result<(), StageError> {
         let points_m = &revolution.points_m;
-        self.columns.fill(points_m, self.radius_m);
-        write_edges(out, points_m.len(), |i, row| self.columns.near(points_m, &points_m[i], self.radius_m, row));
+        let square_m2 = self.radius_m * self.radius_m;
+        write_edges(out, points_m.len(), |i, row| {
+            let near = (0..).zip(points_m).filter(|(_, point)| distance_squared(&points_m[i], point) <= square_m2);
+            row.extend(near.map(|(number, _)| number));
+        });
         Ok(())
     }
 }

@@ -44,7 +44,7 @@ impl Detector {
     }
 
     pub(crate) fn of(engine: Engine, config: Config) -> Self {
-        Self { sensor: Sensor::new(config.params("ingest")), engine, frame: Frame::default(), scans: 0, config }
+        Self { sensor: config.sensor(), engine, frame: Frame::default(), scans: 0, config }
     }
 
     /// The walls and openings that a scan shows.

@@ -167,7 +167,7 @@ mod tests {
             &["spectral.zero_tolerance=0.9"],
             &["affinity.sigma_per_m2=0.001"],
             &["kmeans.seed=7"],
-            &["affinity.kind=dbscan"],
+            &["affinity.kind=threshold"],
         ];
         let configs: Vec<Config> = settings.iter().map(|settings| config(&registry, settings)).collect();
         let mut variants = Variants::new(&configs.iter().collect::<Vec<_>>(), &registry);

@@ -1,5 +1,4 @@
-//! Which of several answers holds, by the answers of single revolutions: a hidden Markov model, forward over those up to
-//! now and, where a recording is looked ahead in, backward over some of the later ones.
+//! Which of several answers holds, by the answers of the revolutions so far: the forward pass of a hidden Markov model.
 //!
 //! With b_k the belief in answer k, d metres of way and t seconds since the revolution before, and an answer a of which
 //! the revolution is sure by q:
@@ -8,15 +7,6 @@
 //! b_k <- (1 - p) b_k + p / K,   p = 1 - exp(-d / D - t / T)      the vehicle may have come to another place
 //! b_k <- b_k · l_k,   l_k = q if k = a, else (1 - q) / (K - 1),   then Σ b = 1
 //! ```
-//!
-//! The evidence r_k of later revolutions for answer k, from the last of them back to the next:
-//!
-//! ```text
-//! r_k <- l_k · r_k,   then Σ r = 1
-//! r_k <- (1 - p) r_k + p / K
-//! ```
-//!
-//! The answer that holds is judged by b_k · r_k.
 //!
 //! Revolutions that follow each other err alike, so that many doubtful ones make no sure answer: an answer is as sure as it
 //! is believed, and at most as sure as the surest of the revolutions that gave it, of which q counts (1 - p) times as much
@@ -122,17 +112,15 @@ pub(crate) struct Belief<A> {
     /// Another answer holds once it is believed this many times as much as the one that held.
     odds: f64,
     holds: Option<A>,
-    /// By the revolutions up to now (b).
+    /// The belief in each answer (b).
     beliefs: Vec<(A, f64)>,
-    /// By later ones, too (b · r).
-    judged: Vec<(A, f64)>,
     /// How sure the surest of the revolutions up to now is that gave an answer.
     surest: Vec<(A, f64)>,
 }
 
 impl<A: Copy + PartialEq> Belief<A> {
     pub(crate) fn new(odds: f64) -> Self {
-        Self { odds, holds: None, beliefs: Vec::new(), judged: Vec::new(), surest: Vec::new() }
+        Self { odds, holds: None, beliefs: Vec::new(), surest: Vec::new() }
     }
 
     /// The answer that holds; `None` before the first.
@@ -143,28 +131,23 @@ impl<A: Copy + PartialEq> Belief<A> {
     /// The probability that an answer is right, after what has happened since the last revolution that answered.
     pub(crate) fn confidence(&self, answer: A, since: Since) -> f64 {
         let change = since.change();
-        let believed = (1.0 - change) * of_answer(&self.judged, answer) + change / ANSWERS;
+        let all: f64 = self.beliefs.iter().map(|(_, belief)| belief).sum(); // 1 but for rounding, and for answers that were forgotten
+        let believed = (1.0 - change) * (of_answer(&self.beliefs, answer) / all) + change / ANSWERS;
         believed.min((1.0 - change) * of_answer(&self.surest, answer))
     }
 
-    /// Takes the answer of the next revolution. `later`: those of revolutions after it, in order, which judge with it.
-    /// Without any, the answer that holds changes to this one or not at all.
-    pub(crate) fn add(&mut self, seen: Answered<A>, later: &[Answered<A>]) {
+    /// Takes the answer of the next revolution. The answer that holds changes to this one or not at all.
+    pub(crate) fn add(&mut self, seen: Answered<A>) {
         seen.allow_change(&mut self.beliefs);
-        for other in std::iter::once(&seen).chain(later) {
-            if !self.beliefs.iter().any(|(known, _)| *known == other.answer) {
-                self.beliefs.push((other.answer, (seen.since.change() / ANSWERS).max(f64::MIN_POSITIVE)));
-            }
+        if !self.beliefs.iter().any(|(known, _)| *known == seen.answer) {
+            self.beliefs.push((seen.answer, (seen.since.change() / ANSWERS).max(f64::MIN_POSITIVE)));
         }
         seen.weigh(&mut self.beliefs);
         normalise(&mut self.beliefs);
         self.view(&seen);
-        self.judged = self.evidence_of(later);
-        self.judged.iter_mut().zip(&self.beliefs).for_each(|((_, judged), (_, belief))| *judged *= belief);
-        normalise(&mut self.judged);
-        let held = self.holds.map_or(0.0, |answer| of_answer(&self.judged, answer));
+        let held = self.holds.map_or(0.0, |answer| of_answer(&self.beliefs, answer));
         // Of equal ones the first.
-        let likeliest = self.judged.iter().rev().max_by(|a, b| a.1.total_cmp(&b.1));
+        let likeliest = self.beliefs.iter().rev().max_by(|a, b| a.1.total_cmp(&b.1));
         if let Some((answer, _)) = likeliest.filter(|(_, belief)| *belief > self.odds * held) {
             self.holds = Some(*answer);
         }
@@ -187,17 +170,6 @@ impl<A: Copy + PartialEq> Belief<A> {
         self.surest.retain(|(known, confidence)| *known != seen.answer && *confidence > LEAST_KEPT);
         self.surest.push((seen.answer, before.max(seen.confidence)));
     }
-
-    /// The evidence of later revolutions for each answer (r).
-    fn evidence_of(&self, later: &[Answered<A>]) -> Vec<(A, f64)> {
-        let mut evidence: Vec<_> = self.beliefs.iter().map(|(answer, _)| (*answer, 1.0)).collect();
-        for seen in later.iter().rev() {
-            seen.weigh(&mut evidence);
-            normalise(&mut evidence);
-            seen.allow_change(&mut evidence);
-        }
-        evidence
-    }
 }
 
 #[cfg(test)]
@@ -211,7 +183,7 @@ mod tests {
     fn held(answers: &[(usize, f64)], since: Since) -> Vec<usize> {
         let mut belief = Belief::new(100.0);
         let held = |&(answer, confidence): &(usize, f64)| {
-            belief.add(Answered { answer, confidence, since }, &[]);
+            belief.add(Answered { answer, confidence, since });
             belief.holds().expect("there is an answer")
         };
         answers.iter().map(held).collect()
@@ -244,7 +216,7 @@ mod tests {
     fn many_doubtful_views_make_no_sure_answer_and_one_sure_view_fades_with_the_way() {
         let mut belief = Belief::new(100.0);
         let mut sure_after = |confidence, count| {
-            (0..count).for_each(|_| belief.add(Answered { answer: 3, confidence, since: FLYING }, &[]));
+            (0..count).for_each(|_| belief.add(Answered { answer: 3, confidence, since: FLYING }));
             belief.confidence(3, Since { way_m: 0.0, time_s: 0.0 })
         };
         assert_eq!(sure_after(0.05, 200), 0.05);
@@ -256,25 +228,9 @@ mod tests {
     }
 
     #[test]
-    fn looking_ahead_a_change_is_seen_when_it_happens_and_a_deviation_never() {
-        let mut answers = vec![2; 60];
-        (answers[10], answers[20]) = (3, 4);
-        answers[21] = 4;
-        answers[40..].fill(3);
-        let seen: Vec<_> = answers.iter().map(|&answer| Answered { answer, confidence: 0.8, since: FLYING }).collect();
-        let mut belief = Belief::new(100.0);
-        let held = |at: usize| {
-            belief.add(seen[at], &seen[at + 1..(at + 16).min(seen.len())]);
-            belief.holds().expect("there is an answer")
-        };
-        let held: Vec<usize> = (0..seen.len()).map(held).collect();
-        assert!(held[..40].iter().all(|&held| held == 2) && held[41..].iter().all(|&held| held == 3), "{held:?}");
-    }
-
-    #[test]
     fn the_number_of_answers_that_are_kept_is_bounded() {
         let mut belief = Belief::new(100.0);
-        (0..1000).for_each(|i| belief.add(Answered { answer: i, confidence: 0.9, since: FLYING }, &[]));
+        (0..1000).for_each(|i| belief.add(Answered { answer: i, confidence: 0.9, since: FLYING }));
         assert!(belief.beliefs.len() <= MOST_KEPT && belief.holds().is_some());
     }
 }

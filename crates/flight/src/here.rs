@@ -121,7 +121,7 @@ impl Places {
     /// The place of the next revolution with its report and its pose; `None` for a cloud, where no wall is in view, and
     /// beside one wall alone; and for a limited view that has not seen enough around it yet, or has no pose.
     pub fn here(&mut self, revolution: &Revolution, junction: &Junction, tracked: Option<&Tracked>) -> Option<Here> {
-        let sweep = revolution.as_sweep()?;
+        let sweep = revolution.beams()?;
         let view = sweep.view();
         let mut outline = Outline::of(revolution, sweep, junction, view)?;
         // A mouth shows where beams leave the look.

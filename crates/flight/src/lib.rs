@@ -33,7 +33,7 @@ mod steady;
 mod surroundings;
 
 pub use answer::{FlightAnswer, Here, HereKind, Steady, SteadyOpening, Way};
-pub use flight::{Flight, LOOK_AHEAD, LooksAhead, PARAMS, check_live};
+pub use flight::{Flight, PARAMS};
 pub use g2o::{G2oError, read_g2o, write_g2o};
 pub use here::Places;
 pub use look::Look;

@@ -118,7 +118,7 @@ impl PoseTracker {
                 (motion, begins) = (None, true);
             }
         }
-        let by_odometry = self.kind == PoseKind::Odometry || revolution.as_sweep().is_none();
+        let by_odometry = self.kind == PoseKind::Odometry || revolution.beams().is_none();
         let (pose, doubt, lost) = if by_odometry {
             if !had_odometry {
                 if self.kind != PoseKind::Auto {

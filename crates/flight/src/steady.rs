@@ -56,10 +56,6 @@ struct Moment {
 }
 
 impl Moment {
-    fn of(frame: &Frame) -> Self {
-        Self { stamp_ns: frame.revolution.stamp_ns, pose: FlightAnswer::of(frame).pose }
-    }
-
     fn since(&self, before: Option<Self>) -> Since {
         let Some(before) = before else { return Since { way_m: 0.0, time_s: LONGEST_S } };
         let time_s = elapsed_s(before.stamp_ns, self.stamp_ns).min(LONGEST_S);
@@ -68,32 +64,6 @@ impl Moment {
             step.translation.vector.norm() + WAY_M_PER_RAD * step.rotation.angle().abs()
         });
         Since { way_m, time_s }
-    }
-}
-
-/// What a revolution answers by itself.
-struct Answers {
-    /// `None` without returns.
-    count: Option<Answered<usize>>,
-    /// `None` where the place is not known.
-    place: Option<Answered<(HereKind, usize)>>,
-}
-
-impl Answers {
-    /// Those of the frame after `before`, which is moved to it.
-    fn of(frame: &Frame, before: &mut Before) -> Self {
-        if frame.revolution.is_empty() {
-            return Self { count: None, place: None };
-        }
-        let now = Moment::of(frame);
-        let junction = &frame.junction;
-        let since = now.since(before.count.replace(now));
-        let count = Answered { answer: junction.junctions, confidence: junction.confidence.unwrap_or(0.0), since };
-        let place = FlightAnswer::of(frame).here.as_ref().map(|here| {
-            let since = now.since(before.place.replace(now));
-            Answered { answer: (here.kind, here.ways.len()), confidence: here.confidence, since }
-        });
-        Self { count: Some(count), place }
     }
 }
 
@@ -124,30 +94,30 @@ impl Default for Steadier {
 }
 
 impl Steadier {
-    /// The steady answer at the next revolution; `None` until a revolution has returns. `later`: revolutions after it, in
-    /// order, which it rests on as well.
-    pub(crate) fn add<'f>(&mut self, frame: &Frame, later: impl Iterator<Item = &'f Frame>) -> Option<Steady> {
-        let stretch_of = |frame: &Frame| FlightAnswer::of(frame).doubt.map(|doubt| doubt.stretch);
-        // The scans that follow do not go with those before.
-        if let Some(stretch) = stretch_of(frame).filter(|stretch| *stretch != self.stretch) {
+    /// The steady answer at the next revolution, whose pose and place `flown` holds; `None` until a revolution has returns.
+    pub(crate) fn add(&mut self, frame: &Frame, flown: &FlightAnswer) -> Option<Steady> {
+        // Revolutions of a new stretch do not go with those before.
+        let stretch = flown.doubt.map(|doubt| doubt.stretch);
+        if let Some(stretch) = stretch.filter(|stretch| *stretch != self.stretch) {
             *self = Self { stretch, next_track: self.next_track, ..Self::default() };
         }
-        let answers = Answers::of(frame, &mut self.before);
-        let flown = FlightAnswer::of(frame);
+        let now = Moment { stamp_ns: frame.revolution.stamp_ns, pose: flown.pose };
         let yaw_rad = flown.pose.map_or(0.0, |pose| pose.rotation.angle());
         // A scan without returns, such as one that cannot be decoded, shows nothing.
-        if let Some(count) = answers.count {
-            let mut before = self.before;
-            let later = later.take_while(|later| stretch_of(later).is_none_or(|stretch| stretch == self.stretch));
-            let later: Vec<Answers> = later.map(|frame| Answers::of(frame, &mut before)).collect();
-            let tracks = self.follow(&frame.junction.openings, yaw_rad);
-            self.junctions.add(count, &later.iter().filter_map(|answers| answers.count).collect::<Vec<_>>());
-            if self.junctions.holds() == Some(count.answer) {
+        if !frame.revolution.is_empty() {
+            let junction = &frame.junction;
+            let since = now.since(self.before.count.replace(now));
+            let (answer, confidence) = (junction.junctions, junction.confidence.unwrap_or(0.0));
+            let tracks = self.follow(&junction.openings, yaw_rad);
+            self.junctions.add(Answered { answer, confidence, since });
+            if self.junctions.holds() == Some(answer) {
                 self.shown.clone_from(&tracks);
             }
-            if let Some((here, place)) = flown.here.as_ref().zip(answers.place) {
-                self.place.add(place, &later.iter().filter_map(|answers| answers.place).collect::<Vec<_>>());
-                if self.place.holds() == Some(place.answer) {
+            if let Some(here) = &flown.here {
+                let since = now.since(self.before.place.replace(now));
+                let answer = (here.kind, here.ways.len());
+                self.place.add(Answered { answer, confidence: here.confidence, since });
+                if self.place.holds() == Some(answer) {
                     let of_ways = here.ways.iter().map(|way| way.opening.map(|index| tracks[index])).collect();
                     let fixed = |way: &Way| Way { bearing_rad: way.bearing_rad + yaw_rad, ..*way };
                     let ways = here.ways.iter().map(fixed).collect();
@@ -158,7 +128,7 @@ impl Steadier {
         }
         let junctions = self.junctions.holds()?;
         let openings = self.openings(yaw_rad);
-        let here = self.place(&openings, yaw_rad, Moment::of(frame).since(self.before.place));
+        let here = self.place(&openings, yaw_rad, now.since(self.before.place));
         Some(Steady { junctions, here, openings })
     }
 

@@ -27,7 +27,7 @@ pub const KIND: Kind<dyn KmeansStage> = Kind::kmeans(
 /// and `blocks`. The full decompositions mix the eigenvectors of a repeated zero, and so does `blocks` where a
 /// component has more zeros than one: such a U goes to [`KmeansPlusPlus`] with its defaults, with a note.
 ///
-/// Clusters of fewer than `min_cluster` returns (DBSCAN's noise: fewer than 2) are left out, with a note.
+/// Clusters of fewer than `min_cluster` returns are left out, with a note.
 #[derive(Default)]
 struct Components {
     min_cluster: usize,

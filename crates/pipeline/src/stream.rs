@@ -4,7 +4,6 @@
 //! source whatever the number of lanes. Each frame has one owner at a time. The pool bounds
 //! their number, and an empty pool holds ingest back.
 
-use std::collections::VecDeque;
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::thread::{Builder, Scope};
@@ -12,7 +11,7 @@ use std::time::Instant;
 
 use crossbeam_channel::{Receiver, Sender, bounded};
 use crosscut_detector::{Config, Engine, Registry, Worker, elapsed_ns, panic_text};
-use crosscut_flight::{Flight, LOOK_AHEAD};
+use crosscut_flight::Flight;
 use crosscut_report::VEHICLE_WIDTH_M;
 use crosscut_stage::{Failure, FailureCause, Frame, Observer, Source, Step};
 
@@ -54,9 +53,7 @@ pub fn stream(
     if let Some(rate) = options.rate.filter(|rate| rate.is_nan() || *rate <= 0.0) {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, format!("the rate must be above 0, not {rate}")));
     }
-    let params = config.params("flight");
-    let look_ahead = if options.flight { params.get(LOOK_AHEAD) } else { 0 };
-    let (workers, frames) = (config.workers(), config.in_flight() + look_ahead);
+    let (workers, frames) = (config.workers(), config.in_flight());
     let (pool_in, pool_out) = bounded(frames);
     for _ in 0..frames {
         pool_in.send(Frame::default()).expect("the pool holds them all, and its other end is here");
@@ -85,10 +82,9 @@ pub fn stream(
         let observing = Builder::new().name("observers".into()).spawn_scoped(scope, move || observing.run())?;
 
         let vehicle_width_m = config.params("vehicle").get(VEHICLE_WIDTH_M);
-        let flight = options.flight.then(|| Flight::new(params, vehicle_width_m));
-        let waiting = VecDeque::with_capacity(look_ahead + 1);
+        let flight = options.flight.then(|| Flight::new(config.params("flight"), vehicle_width_m));
         let observers = to_observers;
-        let collect = Collect { report, flight, look_ahead, waiting, lanes: from_lanes, results, observers, ended };
+        let collect = Collect { report, flight, lanes: from_lanes, results, observers, ended };
         let collect = Builder::new().name("report".into()).spawn_scoped(scope, move || collect.run())?;
 
         let mut summary = collect.join().expect("the report thread catches panics");
@@ -190,10 +186,6 @@ impl Ingest<'_> {
 struct Collect<'a> {
     report: Worker,
     flight: Option<Flight>,
-    /// A frame is finished once this many after it are there.
-    look_ahead: usize,
-    /// Frames that are not finished.
-    waiting: VecDeque<Arrived>,
     lanes: Vec<Receiver<Arrived>>,
     results: &'a mut ResultsSink<'a>,
     observers: Sender<Frame>,
@@ -203,45 +195,26 @@ struct Collect<'a> {
 impl Collect<'_> {
     fn run(mut self) -> Summary {
         let mut summary = Summary::default();
-        let end = self.collect(&mut summary).and_then(|failed| {
-            while !self.waiting.is_empty() {
-                self.finish_next(&mut summary)?;
-            }
-            failed.map_or(Ok(()), |frame| Err(self.fail(frame)))
-        });
-        summary.end = end.err().unwrap_or(End::Complete);
+        summary.end = self.collect(&mut summary).err().unwrap_or(End::Complete);
         self.ended.set(); // ingest may be waiting for its next revolution to be due
         summary
     }
 
-    /// Takes frames up to the last, or up to one that fails, which is returned.
-    fn collect(&mut self, summary: &mut Summary) -> Result<Option<Frame>, End> {
+    /// Takes frames up to the last, or up to one that fails.
+    fn collect(&mut self, summary: &mut Summary) -> Result<(), End> {
         for lane in (0..self.lanes.len()).cycle() {
-            let Ok(Arrived { mut frame, due }) = self.lanes[lane].recv() else { break };
-            if self.report.work(&mut frame).is_err() {
-                return Ok(Some(frame));
-            }
-            // Frames come from a pool: without a flight, nothing of an earlier one stays.
-            frame.extra.clear();
-            frame.timings.flight_ns = None;
-            if self.fly(&mut frame, |flight, frame, _| flight.place(frame)).is_err() {
-                return Ok(Some(frame));
-            }
-            self.waiting.push_back(Arrived { frame, due });
-            if self.waiting.len() > self.look_ahead {
-                self.finish_next(summary)?;
-            }
+            let Ok(arrived) = self.lanes[lane].recv() else { break };
+            self.finish(arrived, summary)?;
         }
-        Ok(None)
+        Ok(())
     }
 
-    /// Finishes the frame that has waited longest: its results are written, then it goes to the observers.
-    fn finish_next(&mut self, summary: &mut Summary) -> Result<(), End> {
-        let Some(Arrived { mut frame, due }) = self.waiting.pop_front() else { return Ok(()) };
-        let steady = |flight: &mut Flight, frame: &mut Frame, later: &VecDeque<Arrived>| {
-            flight.steady(frame, later.iter().map(|later| &later.frame));
-        };
-        if self.fly(&mut frame, steady).is_err() {
+    /// Finishes a frame: its results are written, then it goes to the observers.
+    fn finish(&mut self, Arrived { mut frame, due }: Arrived, summary: &mut Summary) -> Result<(), End> {
+        // Frames come from a pool: without a flight, nothing of an earlier one stays.
+        frame.extra.clear();
+        frame.timings.flight_ns = None;
+        if self.report.work(&mut frame).and_then(|()| self.fly(&mut frame)).is_err() {
             return Err(self.fail(frame));
         }
         self.write(&frame).map_err(End::ResultsLost)?;
@@ -262,18 +235,12 @@ impl Collect<'_> {
         End::Failed(failure)
     }
 
-    /// Adds what the flight shows, with the frames that wait behind this one, and to the time that takes. A failure is
-    /// left in the frame.
-    fn fly(
-        &mut self,
-        frame: &mut Frame,
-        add: impl FnOnce(&mut Flight, &mut Frame, &VecDeque<Arrived>),
-    ) -> Result<(), Failure> {
+    /// Adds what the flight shows, and the time that takes. A failure is left in the frame.
+    fn fly(&mut self, frame: &mut Frame) -> Result<(), Failure> {
         let Some(flight) = &mut self.flight else { return Ok(()) };
-        let (start, waiting) = (Instant::now(), &self.waiting);
-        let flown = catch_unwind(AssertUnwindSafe(|| add(flight, frame, waiting)));
-        let before_ns = frame.timings.flight_ns.unwrap_or(0);
-        frame.timings.flight_ns = Some(before_ns.saturating_add(elapsed_ns(start)));
+        let start = Instant::now();
+        let flown = catch_unwind(AssertUnwindSafe(|| flight.add(frame)));
+        frame.timings.flight_ns = Some(elapsed_ns(start));
         flown.map_err(|panic| {
             let cause = FailureCause::Panic(format!("in the flight: {}", panic_text(panic.as_ref())));
             frame.failure.insert(Failure { step: Step::Report, seq: frame.revolution.seq, cause }).clone()
@@ -317,39 +284,4 @@ fn keep(errors: &mut Vec<String>, act: impl FnOnce() -> Result<(), crosscut_stag
     };
     errors.push(error);
     false
-}
-
-#[cfg(test)]
-mod tests {
-    use crosscut_detector::Preset;
-    use crosscut_flight::{FlightAnswer, Here, HereKind, Way};
-    use crosscut_stage::Point;
-
-    use super::*;
-
-    #[test]
-    fn observers_see_the_frame_whose_steady_answer_panics() {
-        let registry = Registry::standard();
-        let config = Config::preset(Preset::Default, &registry).expect("a preset");
-        let mut frame = Frame::default();
-        frame.revolution.points_m.push(Point::origin());
-        let ways = vec![Way { bearing_rad: 0.0, width_m: 1.0, opening: Some(0) }]; // there is no opening
-        let here = Some(Here { kind: HereKind::DeadEnd, look_m: 1.0, ways, is_middle: true, confidence: 1.0 });
-        FlightAnswer { here, ..FlightAnswer::default() }.put(&mut frame);
-        let (observers, seen) = bounded(1);
-        let [_, _, _, report] = Engine::new(&config, &registry).into();
-        let mut collect = Collect {
-            report,
-            flight: Some(Flight::new(config.params("flight"), 0.6)),
-            look_ahead: 0,
-            waiting: VecDeque::from([Arrived { frame, due: Instant::now() }]),
-            lanes: Vec::new(),
-            results: &mut |_| Ok(()),
-            observers,
-            ended: StopFlag::default(),
-        };
-        let end = collect.finish_next(&mut Summary::default());
-        assert!(matches!(end, Err(End::Failed(_))), "{end:?}");
-        assert!(seen.try_recv().expect("a frame").failure.is_some());
-    }
 }

@@ -4,8 +4,8 @@ use crosscut_stage::{Fan, Frame, Notes, Revolution, Sweep};
 use rerun::{Scalars, TextDocument};
 
 use crate::rows::Rows;
-use crate::schema::{SCAN_NOTES, SCAN_ODOMETRY, SCAN_POINTS, SCAN_SWEEP};
-use crate::tensors::{f64_matrix, f64_vector};
+use crate::schema::{SCAN_ENTRIES, SCAN_NOTES, SCAN_ODOMETRY, SCAN_POINTS, SCAN_SWEEP};
+use crate::tensors::{f64_matrix, f64_vector, i32_vector};
 
 /// What was logged last of what is logged on change.
 #[derive(Default)]
@@ -27,6 +27,10 @@ impl AsRead {
         if !is_told(revolution) {
             let points = revolution.points_m.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
             rows.log_tensor(&SCAN_POINTS, f64_matrix(points, [revolution.len(), 3], SCAN_POINTS.dims), &[]);
+        }
+        if !revolution.entries.is_empty() {
+            let entries = i32_vector(revolution.entries.iter().copied(), SCAN_ENTRIES.dims);
+            rows.log_tensor(&SCAN_ENTRIES, entries, &[]);
         }
         if let Some(pose) = &revolution.odometry {
             let (at, turned) = (pose.translation.vector, pose.rotation);
@@ -58,7 +62,7 @@ fn geometry(sweep: &Sweep) -> [f64; 8] {
     [sweep.step_rad, sweep.range_max_m, full_turn, missing, yaw_rad, upside_down, first_rad, increment_rad]
 }
 
-/// Whether the returns follow from ranges and beams; those of a cloud, from their drawing in f32.
+/// Whether the returns follow from ranges and beams; those without beams, from their drawing in f32.
 fn is_told(revolution: &Revolution) -> bool {
     let Some(sweep) = revolution.beams() else {
         let is_f32 = |x: f64| f64::from(x as f32).to_bits() == x.to_bits();

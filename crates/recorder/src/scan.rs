@@ -75,7 +75,7 @@ fn seen(beam: &Beam) -> u8 {
 fn log_walls(rows: &mut Rows, revolution: &Revolution, junction: &Junction, classes: &Classes) {
     let strips = match revolution.beams() {
         Some(sweep) => wall_strips(&revolution.points_m, &junction.wall_of_return, sweep.full_turn),
-        None => Vec::new(), // returns of a cloud have no order to draw a line along
+        None => Vec::new(), // returns without beams have no order to draw a line along
     };
     let of_lines: Vec<u16> = strips.iter().map(|(wall, _)| classes.of_wall(Some(*wall))).collect();
     let lines = strips.into_iter().map(|(_, strip)| LineStrip3D::from_iter(simplified(&strip, LINE_M)));

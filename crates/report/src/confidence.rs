@@ -84,7 +84,7 @@ impl Grounds {
         let of_no_island = |wall: &Option<u32>| wall.filter(|&id| !answer.walls[id as usize].island);
         let wall_of_return: Vec<_> = answer.wall_of_return.iter().map(of_no_island).collect();
         let mut outline = Outline::default();
-        outline.fill(revolution, revolution.as_sweep()?, &wall_of_return).ok()?;
+        outline.fill(revolution, revolution.beams()?, &wall_of_return).ok()?;
         Self::on(&outline, revolution, verdicts, vehicle_width_m, margin_decades, answer)
     }
 

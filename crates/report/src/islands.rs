@@ -35,13 +35,10 @@ pub(crate) fn mark(
     outline: &mut Outline,
     out: &mut Junction,
 ) {
-    let mut is_seen = vec![false; out.walls.len()];
-    outline.walls().iter().for_each(|&wall| is_seen[wall as usize] = true);
-    let mut others = is_seen.iter().filter(|&&is_seen| is_seen).count();
+    let mut others = out.walls.len();
     let (are_short, are_small) = (are_short(revolution, out, island_m), are_short(revolution, out, vehicle_width_m));
     let is_narrow = |wall: &Wall| (wall.bearing_rad[1] - wall.bearing_rad[0]).rem_euclid(TAU) < WIDEST_RAD;
-    // The level view of a cloud does not see every wall.
-    let may_stand_free = |wall: &&Wall| are_short[wall.id as usize] && is_narrow(wall) && is_seen[wall.id as usize];
+    let may_stand_free = |wall: &&Wall| are_short[wall.id as usize] && is_narrow(wall);
     let nearest_m = |wall: &Wall| nearest_m(revolution, &out.wall_of_return, wall.id);
     let mut candidates: Vec<(f64, u32)> =
         out.walls.iter().filter(may_stand_free).map(|wall| (nearest_m(wall), wall.id)).collect();

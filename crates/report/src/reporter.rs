@@ -1,6 +1,6 @@
 //! The report stage: walls, then openings, then the name of the place.
 
-use crosscut_scan::LevelView;
+use crosscut_scan::VEHICLE_WIDTH_M;
 use crosscut_stage::{
     Count, Junction, Notes, Number, ParamSpec, Params, Partition, Revolution, Spectrum, StageError, Sweep, Verdict,
     Word,
@@ -35,19 +35,6 @@ const MAX_RANGE_M: Number = Number::new("max_range_m", "m", f64::INFINITY)
 /// Section `report` of the configuration.
 pub const PARAMS: &[ParamSpec] = &[MIN_RETURNS.spec, ISLAND_M.spec, OPENINGS.spec, MAX_RANGE_M.spec, CONFIDENCE.spec];
 
-/// The width of the vehicle.
-pub const VEHICLE_WIDTH_M: Number =
-    Number::new("width_m", "m", 0.6).above(0.0).to(100.0).doc("diameter of the disc that must fit through an opening");
-
-/// The height of the vehicle.
-pub const VEHICLE_HEIGHT_M: Number = Number::new("height_m", "m", 0.6)
-    .above(0.0)
-    .to(100.0)
-    .doc("of a cloud, openings are seen by the returns no farther above or below the sensor than half of it");
-
-/// Section `vehicle` of the configuration.
-pub const VEHICLE_PARAMS: &[ParamSpec] = &[VEHICLE_WIDTH_M.spec, VEHICLE_HEIGHT_M.spec];
-
 /// Turns clusters into walls and openings.
 #[derive(Clone, Debug)]
 pub struct Reporter {
@@ -58,14 +45,12 @@ pub struct Reporter {
     /// Nothing was calibrated for the affinity.
     uncalibrated: bool,
     vehicle_width_m: f64,
-    vehicle_height_m: f64,
-    view: LevelView,
     openings: OpeningRule,
     outline: Outline,
 }
 
 impl Reporter {
-    /// From checked values of [`PARAMS`] and [`VEHICLE_PARAMS`].
+    /// From checked values of [`PARAMS`] and [`VEHICLE_PARAMS`](crosscut_scan::VEHICLE_PARAMS).
     pub fn new(report: &Params, vehicle: &Params) -> Self {
         Self {
             min_returns: report.get(MIN_RETURNS),
@@ -74,8 +59,6 @@ impl Reporter {
             confidence_of_scene: report.get(CONFIDENCE) == "scene",
             uncalibrated: false,
             vehicle_width_m: vehicle.get(VEHICLE_WIDTH_M),
-            vehicle_height_m: vehicle.get(VEHICLE_HEIGHT_M),
-            view: LevelView::default(),
             openings: match report.get(OPENINGS).as_str() {
                 "between_walls" => OpeningRule::BetweenWalls,
                 _ => OpeningRule::FreeSpace,
@@ -108,10 +91,14 @@ impl Reporter {
             return Err(StageError::Mismatch(format!("labels: {labelled}, returns: {n}")));
         }
         walls::from_partition(revolution, partition, self.min_returns, out, notes);
-        match revolution.as_sweep() {
-            Some(sweep) => self.look_around(revolution, sweep, verdicts, spectrum, out, notes),
-            None => self.look_around_in_cloud(revolution, verdicts, spectrum, out, notes),
+        if let Some(sweep) = revolution.beams() {
+            return self.look_around(revolution, sweep, verdicts, spectrum, out, notes);
         }
+        // Returns without beams have walls alone.
+        let Junction { walls, wall_of_return, .. } = std::mem::take(out);
+        *out = Junction { junctions: walls.len(), walls, wall_of_return, ..Junction::default() };
+        out.confidence = (!self.uncalibrated).then(|| confidence::of_margin(spectrum.margin_decades));
+        Ok(())
     }
 
     /// Islands, openings, the name of the place and the confidence, from the walls of a sweep.
@@ -167,54 +154,12 @@ impl Reporter {
         out.openings.retain(|opening| opening.range_m() <= self.max_range_m);
         Ok(())
     }
-
-    /// Islands, openings, the name of the place and the confidence, from the walls of a cloud as a level vehicle sees
-    /// them.
-    fn look_around_in_cloud(
-        &mut self,
-        cloud: &Revolution,
-        verdicts: &[Verdict],
-        spectrum: &Spectrum,
-        out: &mut Junction,
-        notes: &mut Notes,
-    ) -> Result<(), StageError> {
-        let mut view = std::mem::take(&mut self.view);
-        view.look(cloud, self.vehicle_height_m, self.vehicle_width_m);
-        let wall_of = |&number: &u32| out.wall_of_return[number as usize];
-        let mut seen = Junction {
-            walls: out.walls.clone(),
-            wall_of_return: view.numbers().iter().map(wall_of).collect(),
-            ..Junction::default()
-        };
-        seen.walls.iter_mut().for_each(|wall| wall.returns = 0);
-        seen.wall_of_return.iter().flatten().for_each(|&id| seen.walls[id as usize].returns += 1);
-        let sweep = view.seen().sweep.as_ref().expect("a view has beams");
-        let verdicts: Vec<_> = verdicts.iter().filter_map(|verdict| seen_by(&view, verdict)).collect();
-        let done = self.look_around(view.seen(), sweep, &verdicts, spectrum, &mut seen, notes);
-        for (wall, seen) in out.walls.iter_mut().zip(&seen.walls) {
-            wall.island = seen.island;
-        }
-        for opening in &mut seen.openings {
-            let ends = opening.returns.iter_mut().flatten();
-            ends.chain(opening.gaps.as_flattened_mut()).for_each(|number| *number = view.numbers()[*number as usize]);
-        }
-        (out.openings, out.junctions, out.gaps) = (seen.openings, seen.junctions, seen.gaps);
-        (out.place, out.confidence) = (seen.place, seen.confidence);
-        self.view = view;
-        done
-    }
-}
-
-/// A verdict on returns of a cloud, by their numbers in the view of a level vehicle; `None` if one is not in it.
-fn seen_by(view: &LevelView, verdict: &Verdict) -> Option<Verdict> {
-    let seen = |number: u32| view.numbers().iter().position(|&other| other == number);
-    let [from, to] = verdict.returns.map(seen);
-    Some(Verdict { returns: [from? as u32, to? as u32], ..*verdict })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crosscut_scan::VEHICLE_PARAMS;
     use crosscut_stage::Point;
 
     #[test]

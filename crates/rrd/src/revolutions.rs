@@ -26,6 +26,7 @@ pub struct Revolutions<'a> {
     wire: Latest<'a>,
     sweep: Latest<'a>,
     points: Latest<'a>,
+    entries: Latest<'a>,
     odometry: Latest<'a>,
     notes: Latest<'a>,
     truth: Latest<'a>,
@@ -48,6 +49,7 @@ impl Recording {
             wire: latest(schema::SCAN_BEAMS_WIRE),
             sweep: latest(schema::SCAN_SWEEP),
             points: latest(schema::SCAN_POINTS),
+            entries: latest(schema::SCAN_ENTRIES),
             odometry: latest(schema::SCAN_ODOMETRY),
             notes: latest(schema::SCAN_NOTES),
             truth: latest(schema::TRUTH_JSON),
@@ -79,6 +81,8 @@ impl Revolutions<'_> {
             }
             (None, _) => points(&row.value(schema::SCAN_RETURNS.values)?.to_f64()),
         };
+        let entries = self.entries.only_at(at)?.map(Value::to_f64).unwrap_or_default();
+        revolution.entries = entries.into_iter().map(|entry| entry as i32).collect();
         revolution.odometry = match self.odometry.only_at(at)?.map(Value::to_f64).as_deref() {
             Some(&[x_m, y_m, cos, sin]) => {
                 let rotation = UnitComplex::new_unchecked(Complex::new(cos, sin));
@@ -93,7 +97,7 @@ impl Revolutions<'_> {
         Ok(scan)
     }
 
-    /// The beams; `None` of a cloud.
+    /// The beams; `None` of returns without beams.
     fn sweep(&mut self, at: i64) -> Result<Option<Sweep>, ReadError> {
         let Some(ranges) = self.ranges.only_at(at)? else { return Ok(None) };
         let ranges_m = match ranges {

@@ -189,6 +189,8 @@ entities! {
         down, its first angle and increment, NaN where there are several sensors";
     SCAN_POINTS: "/scan/returns/exact", TENSOR, ["return", "axis"], "m", Exact, Event,
         "returns in f64, where they do not follow from ranges and `/scan/beams/sweep`";
+    SCAN_ENTRIES: "/scan/entries", TENSOR, ["entry"], "", Exact, Event,
+        "of a cloud, for each of its points the return whose wall is its label, or -1 or -2 as in the labels";
     SCAN_ODOMETRY: "/scan/odometry", SCALAR, ["x_m, y_m, cos, sin"], "m", Exact, Event,
         "pose by odometry, at each revolution that has one";
     SCAN_NOTES: "/scan/notes", DOCUMENT, [], "", Exact, Change, "what ingest noted, a line each";

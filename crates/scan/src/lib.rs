@@ -15,7 +15,8 @@
 //! door there is, and [`LostBeams`] how many beams a lidar loses where there is a wall.
 //!
 //! [`direction()`] gives the direction in which a piece ends, and [`Directions`] keeps them while pieces are joined and
-//! cut. A cloud has no beams: [`LevelView`] makes the sweep of it that a level vehicle would have.
+//! cut. A cloud has no beams: where it comes in, [`LevelView`] makes the sweep of it that a level
+//! vehicle would have.
 //!
 //! A `Scan` is a function of the sweep alone, made in place and then only read. A stage that needs it holds one and
 //! makes it; frames and stage traits do not mention it, so that stages that need no geometry do not know of it.
@@ -40,12 +41,13 @@ pub use closed::is_closed_by_returns;
 pub use direction::{Directions, direction};
 pub use doorway::{DOORWAY_TIMES, Doorway, beyond, lies_across};
 pub use islands::{BEHIND_M, Islands, WIDEST_RAD, faces_dark};
-pub use level_view::{LevelReturn, LevelView};
+pub use level_view::LevelView;
 pub use lost::LostBeams;
 pub use pieces::{End, LEAST_WALL_RETURNS, Pieces};
 pub use ring::{Position, Return, Ring, turn_rad};
 pub use roughness::Roughness;
 pub use scan::{Lengths, Scan};
+pub use vehicle::{VEHICLE_HEIGHT_M, VEHICLE_PARAMS, VEHICLE_WIDTH_M};
 
 /// The median of some values, which are reordered; 0 of none.
 fn median(values: &mut [f64]) -> f64 {

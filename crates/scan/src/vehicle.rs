@@ -1,7 +1,22 @@
-//! Returns of the vehicle itself.
+//! The size of the vehicle, and the returns of the vehicle itself.
+
+use crosscut_stage::{Number, ParamSpec};
 
 use crate::dust::touch;
 use crate::ring::Ring;
+
+/// The width of the vehicle.
+pub const VEHICLE_WIDTH_M: Number =
+    Number::new("width_m", "m", 0.6).above(0.0).to(100.0).doc("diameter of the disc that must fit through an opening");
+
+/// The height of the vehicle.
+pub const VEHICLE_HEIGHT_M: Number = Number::new("height_m", "m", 0.6)
+    .above(0.0)
+    .to(100.0)
+    .doc("of a cloud, the returns no farther above or below the sensor than half of it are seen");
+
+/// Section `vehicle` of the configuration.
+pub const VEHICLE_PARAMS: &[ParamSpec] = &[VEHICLE_WIDTH_M.spec, VEHICLE_HEIGHT_M.spec];
 
 /// Marks the returns that are of the vehicle: those no farther than `reach_m`, in stretches that step back to what is
 /// behind them at one end at least. A stretch that continues as a wall at both ends is of that wall, which a vehicle that

@@ -1,7 +1,8 @@
 //! One point cloud to one revolution.
 
 use crosscut_messages::Cloud;
-use crosscut_stage::{Notes, Point, Revolution, counted};
+use crosscut_scan::LevelView;
+use crosscut_stage::{Notes, Point, Revolution, Sweep, counted};
 use nalgebra::{Isometry2, Point2};
 
 use crate::{Motion, Sensor};
@@ -10,20 +11,48 @@ use crate::{Motion, Sensor};
 const LEAST_WAY_M: f64 = 0.05;
 /// See [`LEAST_WAY_M`], rad.
 const LEAST_TURN_RAD: f64 = 0.01;
+/// A sweep of more beams is levelled like a cloud: its neighbouring returns are closer than a range is exact.
+const MOST_BEAMS: usize = 4096;
 
 impl Sensor {
-    /// Writes the returns of `cloud` into `out`, and what was turned or left out into `notes`, whatever both held before;
-    /// there are no beams. Points that are not finite are no returns, and neither are those at the sensor itself, by which
-    /// many drivers say that nothing came back.
+    /// Writes what a level vehicle sees of `cloud` into `out` ([`LevelView`]), and what was turned or left out into
+    /// `notes`, whatever both held before. Points that are not finite are no entries, and neither are those at the sensor
+    /// itself, by which many drivers say that nothing came back.
     ///
     /// `out.seq` is 0: only the recording knows it. `out.stamp_ns` is 0 if the cloud has no stamp.
     pub fn cloud(&self, cloud: &Cloud, out: &mut Revolution, notes: &mut Notes) {
         notes.clear();
         self.moving_cloud(cloud, None, out, notes);
+        self.level(out, notes);
     }
 
-    /// Writes the returns of `cloud` into `out`, as [`Sensor::cloud`] does. If they have times and the vehicle moved as
-    /// `motion` says, in its frame in the middle of the scan.
+    /// Makes of points without beams, or of a sweep of very many beams, the revolution that a level vehicle sees.
+    pub fn level(&self, out: &mut Revolution, notes: &mut Notes) {
+        self.level_in(&mut LevelView::default(), out, notes);
+    }
+
+    /// As [`Sensor::level`], in buffers that are kept.
+    pub(crate) fn level_in(&self, view: &mut LevelView, out: &mut Revolution, notes: &mut Notes) {
+        let beams = out.beams().map(Sweep::len);
+        if beams.is_some_and(|beams| beams <= MOST_BEAMS) {
+            return;
+        }
+        let aside = view.level(out, self.vehicle_height_m, self.vehicle_width_m);
+        let seen = out.sweep.get_or_insert_default();
+        let [first_rad, step_rad, ..] = &mut seen.wire_geometry;
+        *first_rad = self.own_angle_rad(f64::from(*first_rad) - self.yaw_rad) as f32;
+        *step_rad = self.own_angle_rad(seen.step_rad) as f32;
+        if let Some(beams) = beams {
+            notes.add(format!("sweep of {beams} beams processed as a cloud of {} beams", seen.len()));
+        }
+        if aside > 0 {
+            let aside = counted(aside as u64, "return");
+            notes.add(format!("{aside} above or below the vehicle, or within it, ignored"));
+        }
+    }
+
+    /// Writes the points of `cloud` into `out`, without beams. If they have times and the vehicle moved as `motion` says,
+    /// they are in its frame in the middle of the scan.
     pub(crate) fn moving_cloud(&self, cloud: &Cloud, motion: Option<&Motion>, out: &mut Revolution, notes: &mut Notes) {
         out.clear();
         out.stamp_ns = cloud.header.stamp.to_ns().unwrap_or(0);
@@ -86,4 +115,39 @@ impl Sensor {
 fn in_plane(pose: Isometry2<f64>, point_m: Point) -> Point {
     let moved_m = pose * Point2::new(point_m.x, point_m.y);
     Point::new(moved_m.x, moved_m.y, point_m.z)
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector2;
+
+    use super::*;
+
+    #[test]
+    fn points_of_a_cloud_with_times_lie_where_the_middle_of_it_sees_them() {
+        let (speed_m_s, rate_rad_s, scan_s) = (3.0, 1.5, 0.1);
+        let pose = |time_s: f64| Isometry2::new(Vector2::new(speed_m_s * time_s, 0.0), rate_rad_s * time_s);
+        let place = |i: usize| Point2::new(4.0 + 0.01 * i as f64, 2.0 - 0.03 * i as f64);
+        let times_s: Vec<_> = (0..200).map(|i| scan_s * f64::from(i) / 199.0).collect();
+        let seen_m = |(i, time_s): (usize, &f64)| {
+            let seen_m = pose(*time_s).inverse_transform_point(&place(i));
+            [seen_m.x, seen_m.y, 0.5]
+        };
+        let points_m = times_s.iter().enumerate().map(seen_m).collect();
+        let mut cloud = Cloud { points_m, times_s, ..Cloud::default() };
+        let motion = Motion { times_s: [0.0, scan_s], poses: [0.0, scan_s].map(pose) };
+        let farthest_m = |cloud: &Cloud| {
+            let (mut out, mut notes) = (Revolution::default(), Notes::default());
+            Sensor::default().moving_cloud(cloud, Some(&motion), &mut out, &mut notes);
+            assert!(notes.iter().any(|note| note.starts_with("turned by 8.6° and moved by 0.30 m")), "{notes:?}");
+            let off_m = |(i, point_m): (usize, &Point)| {
+                assert_eq!(point_m.z, 0.5);
+                (pose(0.5 * scan_s).inverse_transform_point(&place(i)) - point_m.xy()).norm()
+            };
+            out.points_m.iter().enumerate().map(off_m).fold(0.0, f64::max)
+        };
+        assert!(farthest_m(&cloud) < 0.005);
+        cloud.times_s.clear();
+        assert!(farthest_m(&cloud) > 0.2, "points without times stay where they were seen");
+    }
 }

@@ -26,7 +26,10 @@
 //! | below `range_min`, below `min_range_m` of the configuration, in a masked sector | unknown | yes |
 //! | anything else | a return | if most are farther than 500 m, as in millimetres (`range_scale`) |
 //!
-//! Points of a cloud that are not finite, or stand at the sensor itself (noted), are no returns; a cloud has no beams.
+//! Points of a cloud that are not finite, or stand at the sensor itself (noted), are no returns. Of the others, the
+//! revolution has what a level vehicle sees ([`LevelView`](crosscut_scan::LevelView)): the nearest returns at its height, in
+//! up to 720 beams. The cloud's other points at this height are entries of the return of their beam, and those above
+//! or below it of no wall. A sweep of more than 4096 beams is levelled as well.
 //!
 //! *No return* means that nothing is there within range; *unknown* that nothing is known.
 //!
@@ -73,6 +76,8 @@ mod odometry;
 mod sensor;
 mod turning;
 mod view;
+
+pub use crosscut_scan::VEHICLE_PARAMS;
 
 pub use before::Before;
 pub use csv::{CSV_PARAMS, CsvGeometry};

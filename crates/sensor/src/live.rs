@@ -48,7 +48,7 @@ impl Live {
         let times_s = if sensor.deskews() { times_s(message, beam_s) } else { [0.0; 2] };
         let motion = motion(message, times_s, odometry);
         self.view.show(message, rad_per_beam, motion.as_ref(), sensor, out, notes);
-        self.view.hide(message, &[], out, notes);
+        self.view.hide(message, &[], sensor, out, notes);
         out.odometry = motion.map(|motion| motion.middle());
         if out.stamp_ns > 0 {
             self.before.compare(out, notes);

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::f64::consts::{PI, TAU};
 
 use crosscut_messages::{Echo, LaserScan};
+use crosscut_scan::{VEHICLE_HEIGHT_M, VEHICLE_PARAMS, VEHICLE_WIDTH_M};
 use crosscut_stage::{Beam, Flag, Notes, Number, Pairs, ParamSpec, Params, Point, Revolution, Word, counted};
 
 use crate::directions::Directions;
@@ -123,12 +124,14 @@ pub struct Sensor {
     /// The transform that the recording states gives the mount.
     is_mount_stated: bool,
     pub(crate) range_scale: f64,
+    pub(crate) vehicle_width_m: f64,
+    pub(crate) vehicle_height_m: f64,
 }
 
 /// Mounted upright, looking ahead, with nothing left out.
 impl Default for Sensor {
     fn default() -> Self {
-        Self::new(&Params::defaults(PARAMS))
+        Self::new(&Params::defaults(PARAMS), &Params::defaults(VEHICLE_PARAMS))
     }
 }
 
@@ -145,8 +148,8 @@ pub fn rescale(scan: &mut LaserScan, metres: f64) {
 }
 
 impl Sensor {
-    /// From checked values of [`PARAMS`].
-    pub fn new(params: &Params) -> Self {
+    /// From checked values of [`PARAMS`] and [`VEHICLE_PARAMS`]: the size of the vehicle decides what is seen of a cloud.
+    pub fn new(params: &Params, vehicle: &Params) -> Self {
         Self {
             yaw_rad: params.get(YAW_RAD),
             upside_down: params.get(UPSIDE_DOWN),
@@ -166,6 +169,8 @@ impl Sensor {
                 "strongest" => Echo::Strongest,
                 _ => Echo::First,
             },
+            vehicle_width_m: vehicle.get(VEHICLE_WIDTH_M),
+            vehicle_height_m: vehicle.get(VEHICLE_HEIGHT_M),
         }
     }
 

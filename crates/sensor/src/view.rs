@@ -1,6 +1,7 @@
 //! What is kept from scan to scan: where the beams look, and which of them are blind.
 
 use crosscut_messages::{LaserScan, ScanMessage};
+use crosscut_scan::LevelView;
 use crosscut_stage::{Beam, Notes, Revolution};
 
 use crate::blind::BlindSectors;
@@ -16,6 +17,7 @@ pub const LEARNED_SCANS: usize = 100;
 pub struct View {
     directions: Directions,
     blind: BlindSectors,
+    level: LevelView,
 }
 
 impl View {
@@ -45,13 +47,22 @@ impl View {
         }
     }
 
-    /// Makes those beams of `out`, which shows `scan`, unknown that are `missing`, and those of blind sectors.
-    pub fn hide(&mut self, scan: &ScanMessage, missing: &[bool], out: &mut Revolution, notes: &mut Notes) {
+    /// Makes those beams of `out`, which shows `scan`, unknown that are `missing`, and those of blind sectors. Of a cloud,
+    /// `out` is then what a level vehicle sees.
+    pub fn hide(
+        &mut self,
+        scan: &ScanMessage,
+        missing: &[bool],
+        sensor: &Sensor,
+        out: &mut Revolution,
+        notes: &mut Notes,
+    ) {
         if let (Some(sweep), ScanMessage::Scan(scan)) = (&mut out.sweep, scan) {
             let missing = sweep.beams.iter_mut().zip(missing).filter(|(_, is_missing)| **is_missing);
             missing.for_each(|(beam, _)| *beam = Beam::Unknown);
             self.blind.hide(scan, out, notes);
         }
+        sensor.level_in(&mut self.level, out, notes);
     }
 }
 

@@ -4,7 +4,7 @@ use std::f32::consts::{PI as PI32, TAU as TAU32};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use crosscut_messages::LaserScan;
-use crosscut_sensor::{PARAMS, Sensor};
+use crosscut_sensor::{PARAMS, Sensor, VEHICLE_PARAMS};
 use crosscut_stage::{Beam, Notes, Params, Revolution, Sweep, Value};
 use proptest::prelude::{Just, Strategy, any, prop, prop_assert, prop_assert_eq, prop_oneof, proptest};
 
@@ -13,7 +13,7 @@ fn sensor(given: &[(&str, Value)]) -> Sensor {
     for (name, value) in given {
         params.set(name, value.clone()).expect("allowed");
     }
-    Sensor::new(&params)
+    Sensor::new(&params, &Params::defaults(VEHICLE_PARAMS))
 }
 
 fn revolution_of(scan: &LaserScan, sensor: &Sensor) -> (Revolution, Vec<String>) {
@@ -114,7 +114,7 @@ fn ranges_in_millimetres_are_noted_and_a_single_far_return_is_not() {
 fn a_scale_brings_ranges_and_their_limits_to_metres() {
     let mut params = Params::defaults(PARAMS);
     params.set("range_scale", 0.001).expect("a scale");
-    let sensor = Sensor::new(&params);
+    let sensor = Sensor::new(&params, &Params::defaults(VEHICLE_PARAMS));
     for range_max in [10_000.0, 10.0] {
         let (mut revolution, mut notes) = (Revolution::default(), Notes::default());
         let message = LaserScan { range_max, ..scan(&[1800.0, 2500.0, 3000.0]) };

@@ -33,11 +33,15 @@ impl Frame {
     /// Label of a return that belongs to no wall.
     pub const NO_WALL: i32 = -2;
 
-    /// One entry a beam of the message, in its order: the id of its wall, [`Frame::NO_RETURN`] or [`Frame::NO_WALL`]. One
-    /// a point for a cloud.
+    /// One a beam of the message, in its order, or one a point of a cloud: the id of its wall, [`Frame::NO_RETURN`] or
+    /// [`Frame::NO_WALL`].
     pub fn labels(&self) -> Vec<i32> {
         let wall = |i: usize| self.junction.wall_of_return.get(i).copied().flatten();
         let label = |i: usize| wall(i).map_or(Self::NO_WALL, u32::cast_signed);
+        let entries = &self.revolution.entries;
+        if !entries.is_empty() {
+            return entries.iter().map(|&of| usize::try_from(of).map_or(of, label)).collect();
+        }
         let Some(sweep) = self.revolution.beams() else { return (0..self.revolution.len()).map(label).collect() };
         let label_of_beam = |beam: &Beam| match beam {
             Beam::Return(i) => label(*i as usize),
@@ -137,7 +141,7 @@ mod tests {
         let mut frame = Frame::default();
         frame.revolution.points_m = vec![Point::new(1.0, 0.0, 0.0), Point::new(0.0, 1.0, 0.0)];
         frame.junction.wall_of_return = vec![Some(3), None];
-        assert_eq!(frame.labels(), [3, -2], "of a cloud, per point");
+        assert_eq!(frame.labels(), [3, -2], "without beams, per return");
         let beams = vec![Beam::Unknown, Beam::Return(0), Beam::NoReturn, Beam::Return(1)];
         frame.revolution.sweep = Some(Sweep { beams, ..Default::default() });
         assert_eq!(frame.labels(), [-1, 3, -1, -2]);
@@ -145,6 +149,8 @@ mod tests {
         assert_eq!(frame.labels(), [-1, 3, -1, -2, -1, -1], "the message goes on beyond a full turn");
         frame.revolution.clear();
         frame.revolution.points_m = vec![Point::origin(); 2];
-        assert_eq!(frame.labels(), [3, -2], "of a cloud in a frame that held a sweep");
+        assert_eq!(frame.labels(), [3, -2], "without beams in a frame that held a sweep");
+        frame.revolution.entries = vec![1, -1, 0, 0, -2];
+        assert_eq!(frame.labels(), [-2, -1, 3, 3, -2], "of a cloud, per point");
     }
 }

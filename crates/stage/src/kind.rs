@@ -85,7 +85,7 @@ pub trait StageKind {
 pub struct AffinityProperties {
     /// How it stores W.
     pub storage: Storage,
-    /// It needs the beams of a sweep, and refuses a cloud.
+    /// It needs the beams of a sweep, and refuses points without any.
     pub needs_beams: bool,
     /// Changes of a revolution that leave W alone.
     pub blind_to: &'static [Invariance],
@@ -110,7 +110,7 @@ impl Kind<dyn AffinityStage> {
         self
     }
 
-    /// It refuses a cloud, which has no beams.
+    /// It refuses points without beams.
     pub const fn needs_beams(mut self) -> Self {
         self.properties.needs_beams = true;
         self

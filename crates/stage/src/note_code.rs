@@ -244,13 +244,13 @@ note_codes! {
         seen "Returns lie within the outline of the vehicle."
         done "They are ignored."
         remedy "Mask the parts of the vehicle that the lidar sees, or correct `vehicle.width_m`.";
-    "N062" ["passage:", "processed as a cloud of"]
-        seen "The sweep is too irregular to be followed beam by beam."
-        done "It is laid out on a regular fan first."
+    "N062" ["processed as a cloud of"]
+        seen "The sweep has more than 4096 beams: neighbouring returns are closer than a range is exact."
+        done "The revolution is what a level vehicle sees of its returns, in up to 720 beams."
         remedy "Nothing.";
-    "N063" ["passage:", "above or below the vehicle"]
+    "N063" ["above or below the vehicle"]
         seen "Points of the cloud lie above or below the vehicle, or within it."
-        done "They are ignored."
+        done "They are ignored, by every affinity."
         remedy "Correct `vehicle.height_m` and the mounting if walls are lost.";
     // Eigenvalues and clusters.
     "N070" ["slicing:", "by full decomposition"]

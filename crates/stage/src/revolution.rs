@@ -18,8 +18,12 @@ pub struct Revolution {
     pub frame_id: String,
     /// The n returns, metres.
     pub points_m: Vec<Point>,
-    /// The beams behind the returns; a point cloud has none.
+    /// The beams behind the returns; points that a program of one's own gives may have none.
     pub sweep: Option<Sweep>,
+    /// Of a message whose entries are not the beams of `sweep` (a cloud, of which a level vehicle sees a sweep): for each
+    /// entry, in message order, the return whose wall is its label, or [`Frame::NO_RETURN`](crate::Frame::NO_RETURN) or
+    /// [`Frame::NO_WALL`](crate::Frame::NO_WALL). Empty where each beam is an entry.
+    pub entries: Vec<i32>,
     /// The vehicle's pose at the stamp by its odometry, in the odometry's frame, metres and radians; `None` if not known.
     pub odometry: Option<Isometry2<f64>>,
 }
@@ -103,18 +107,10 @@ pub struct View {
 /// stands in front of the sensor. Behind a narrower one the report may connect a wall.
 const BLIND_RAD: f64 = 30.0 * PI / 180.0;
 
-/// A sweep of more beams is processed as a cloud: its neighbouring returns are closer than a range is exact.
-const MOST_BEAMS: usize = 4096;
-
 impl Revolution {
-    /// The beams; `None` for a cloud, which has returns and no beams.
+    /// The beams; `None` for returns without beams.
     pub fn beams(&self) -> Option<&Sweep> {
         self.sweep.as_ref().filter(|sweep| !sweep.is_empty() || self.is_empty())
-    }
-
-    /// The beams, unless the revolution is processed as a cloud, as a sweep of more than 4096 beams is.
-    pub fn as_sweep(&self) -> Option<&Sweep> {
-        self.beams().filter(|sweep| sweep.len() <= MOST_BEAMS)
     }
 
     /// Number of returns, n.
@@ -133,6 +129,7 @@ impl Revolution {
         self.stamp_ns = 0;
         self.frame_id.clear();
         self.points_m.clear();
+        self.entries.clear();
         self.odometry = None;
         if let Some(sweep) = &mut self.sweep {
             sweep.clear();

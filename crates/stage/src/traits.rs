@@ -31,6 +31,17 @@ pub enum StageError {
     Mismatch(String),
 }
 
+impl StageError {
+    /// That of an affinity of this name, which needs beams, for points without any.
+    #[must_use]
+    pub fn without_beams(affinity: &str) -> Self {
+        Self::Unsupported(format!(
+            "affinity `{affinity}` needs the beams of a sweep, and these points have none: Sensor::cloud makes a sweep of \
+             the points of a cloud"
+        ))
+    }
+}
+
 /// First stage: the weighted graph over the returns.
 pub trait AffinityStage: Send {
     /// Writes W of `revolution`, whose points are finite, into `out.weights`, whatever that held before, and its verdicts,

@@ -29,7 +29,7 @@ fn main() -> anyhow::Result<()> {
             sensor.revolution(&scene.scan, &mut frame.revolution, &mut frame.notes);
             right[0] += usize::from(junctions(&mut engine, &mut frame)? == scene.truth.walls);
             for (right, cloud) in right[1..].iter_mut().zip([flat, round]) {
-                set_cloud(&mut frame, cloud.points_m);
+                set_cloud(&sensor, &mut frame, cloud.points_m);
                 *right += usize::from(junctions(&mut engine, &mut frame)? == cloud.truth.walls);
             }
         }
@@ -39,10 +39,11 @@ fn main() -> anyhow::Result<()> {
     Ok(())
 }
 
-fn set_cloud(frame: &mut Frame, points_m: Vec<Point>) {
+fn set_cloud(sensor: &Sensor, frame: &mut Frame, points_m: Vec<Point>) {
     frame.revolution.clear();
     frame.revolution.sweep = None;
     frame.revolution.points_m = points_m;
+    sensor.level(&mut frame.revolution, &mut frame.notes);
 }
 
 fn junctions(engine: &mut Engine, frame: &mut Frame) -> anyhow::Result<u32> {

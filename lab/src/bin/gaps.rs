@@ -90,7 +90,7 @@ impl Gaps {
 /// Whether a vehicle can pass at a gap: its two returns are of two true walls, or of the only wall of a place whose
 /// opening lies between them. `None` where a return is of no wall or of an island.
 fn is_truly_opening(verdict: &Verdict, revolution: &Revolution, truth: &Truth) -> Option<bool> {
-    let sweep = revolution.as_sweep()?;
+    let sweep = revolution.beams()?;
     let beam = |number: u32| sweep.beams.iter().position(|beam| *beam == Beam::Return(number));
     let [from, to] = [beam(verdict.returns[0])?, beam(verdict.returns[1])?];
     let (walls, labels) = (true_walls(truth), [from, to].map(|beam| truth.labels[beam]));

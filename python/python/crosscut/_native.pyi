@@ -34,8 +34,10 @@ class Scan:
     def from_points(
         points: ArrayLike, *, stamp_ns: int = ..., seq: int | None = None, frame_id: str = ...
     ) -> Scan:
-        """A cloud of points, (n, 2) or (n, 3), metres; x forward, y left."""
+        """A cloud of points, (n, 2) or (n, 3), metres; x forward, y left. An engine works on what a level vehicle sees of it."""
 
+    @staticmethod
+    def _without_beams(points: ArrayLike) -> Scan: ...
     @staticmethod
     def from_message(
         message: bytes, message_type: str = "sensor_msgs/msg/LaserScan", *, encoding: str = "cdr", seq: int | None = None
@@ -53,7 +55,7 @@ class Scan:
         """The sensor's frame, as the message names it."""
     @property
     def ranges(self) -> NDArray[np.float32] | None:
-        """One a beam, metres, as on the wire; None for a cloud."""
+        """One a beam, metres, as on the wire; of a recorded cloud, those that a level vehicle sees; else None for a cloud."""
     @property
     def angle_min(self) -> float | None:
         """Bearing of the first beam, radians."""

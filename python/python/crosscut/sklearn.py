@@ -122,7 +122,7 @@ class SpectralJunctions(ClusterMixin, BaseEstimator):  # type: ignore[misc]
             sections["spectral"] = {"zero_tolerance": self.zero_tolerance}
         else:
             sections["spectral"] = self._first_eigenvectors
-        return Engine("paper", settings=self.settings, keep=("W", "U"), **sections), Scan.from_points(points)
+        return Engine("paper", settings=self.settings, keep=("W", "U"), **sections), Scan._without_beams(points)
 
     def _weights(self, X: NDArray[np.float64]) -> Any:  # noqa: N803
         if callable(self.affinity):

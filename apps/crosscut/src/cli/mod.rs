@@ -239,7 +239,7 @@ pub(crate) struct ViewArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct ConfigArgs {
-    /// Settings to start from: paper, default, or one of the baselines clear_width, threshold, breakpoint, dbscan.
+    /// Settings to start from: paper, default, or one of the baselines clear_width, threshold, breakpoint.
     /// [default: default]
     #[arg(long)]
     pub(crate) preset: Option<String>,

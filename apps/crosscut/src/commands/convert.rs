@@ -5,7 +5,6 @@ use std::path::Path;
 use anyhow::Context;
 use crosscut_detector::Registry;
 use crosscut_outfile::{Keep, Whole};
-use crosscut_sensor::Sensor;
 use crosscut_stage::counted;
 
 use crate::cli::convert::ConvertArgs;
@@ -27,7 +26,7 @@ pub(crate) fn convert(args: &ConvertArgs, registry: &Registry) -> anyhow::Result
     let read = files_read(&args.input, args.config.clone())?;
     outputs::refuse(&[&args.out], &read)?;
     let options = args.input.read_options(&config);
-    let echo = Sensor::new(config.params("ingest")).echo();
+    let echo = config.sensor().echo();
     let cannot = || format!("cannot write {}", args.out.display());
     let mut file = Whole::create(&args.out, Keep::ThroughKill).with_context(cannot)?;
     interrupt::quit_without(&file)?;

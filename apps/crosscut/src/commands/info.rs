@@ -7,7 +7,6 @@ use crosscut_detector::Registry;
 use crosscut_evaluate::tables::Table;
 use crosscut_ingest::{CsvGeometry, Description, ReadOptions, ScanDescription, TopicDescription, TopicInfo, describe};
 use crosscut_outfile::Keep;
-use crosscut_sensor::Sensor;
 use crosscut_stage::{NOTE_CODES, NoteCode, counted};
 use serde_json::{Value, json};
 
@@ -32,7 +31,7 @@ pub(crate) fn info(args: &InfoArgs, registry: &Registry) -> anyhow::Result<Outco
     }
     stop_on_interrupt()?; // which ends a wait for standard input
     let config = args.config.resolve(registry)?;
-    let sensor = Sensor::new(config.params("ingest"));
+    let sensor = config.sensor();
     let csv = CsvGeometry::new(config.params("csv"));
     let options = ReadOptions { read_as: args.recordings.read_as, csv, ..ReadOptions::default() };
     let mut json =

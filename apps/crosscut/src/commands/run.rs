@@ -6,7 +6,6 @@ use std::time::Duration;
 use crosscut_detector::{Config, Registry};
 use crosscut_ingest::{Feed, Following, Truths};
 use crosscut_pipeline::{End, StopFlag};
-use crosscut_sensor::Sensor;
 use crosscut_stage::counted;
 
 use crate::cli::RunArgs;
@@ -24,7 +23,7 @@ use crate::{observers, outputs, progress, summary};
 /// within a second of the flight.
 pub(crate) fn run(args: &RunArgs, registry: &Registry, robots: Option<&dyn Robots>) -> anyhow::Result<Outcome> {
     let config = configuration(args, registry)?;
-    let robot = live::robot_of(args, Sensor::new(config.params("ingest")).odometry_topic())?;
+    let robot = live::robot_of(args, config.sensor().odometry_topic())?;
     let is_piped = args.input.recordings.input == [Path::new("-")];
     let may_come_later = args.follow || is_piped || robot.is_some();
     let settings = args.config.config.clone();
@@ -59,7 +58,7 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry, robots: Option<&dyn Robot
         anyhow::bail!("no other output was requested");
     }
     let sends = args.live.publish.is_some();
-    let mut robot_answered = heard.map(|robot| live::Answered::new(robot, sends, Sensor::new(config.params("ingest"))));
+    let mut robot_answered = heard.map(|robot| live::Answered::new(robot, sends, config.sensor()));
     let is_numbered = robot.as_ref().is_none_or(|robot| robot.address.starts_with("zenoh"));
     let mut gaps = (!is_numbered).then(live::Gaps::default);
 

@@ -3,9 +3,7 @@
 use std::path::PathBuf;
 
 use crosscut_detector::Config;
-use crosscut_flight::check_live;
 use crosscut_ingest::{Following, LiveFeed, ReadOptions, Recording, Truths};
-use crosscut_sensor::Sensor;
 use crosscut_stage::{Notes, Revolution, Source, SourceError, counted};
 
 use super::inputs::left_out_of_folders;
@@ -44,7 +42,7 @@ impl Flight {
             return Ok(Self { scans, truths: None, is_judged, path });
         }
         refuse_unrelated(parts, args, config)?;
-        let recording = Recording::open(parts, &args.read_options(config), Sensor::new(config.params("ingest")))?;
+        let recording = Recording::open(parts, &args.read_options(config), config.sensor())?;
         Ok(Self::flown(recording, parts.last().cloned().unwrap_or_default()))
     }
 
@@ -64,20 +62,15 @@ impl Flight {
         if inputs.iter().any(|input| input.as_os_str() == "-") {
             return Err(UsageError("--follow reads files; standard input is read as it comes anyway".to_owned()).into());
         }
-        check_live(config.params("flight")).map_err(|error| UsageError(error.to_string()))?;
-        let sensor = Sensor::new(config.params("ingest"));
+        let sensor = config.sensor();
         let recording = Recording::follow(inputs, &args.read_options(config), &sensor, following)?;
         Ok(Self::flown(recording, inputs.last().cloned().unwrap_or_default()))
     }
 
     /// Opens standard input, to be read as it comes if it is an MCAP.
     pub(crate) fn of_standard_input(args: &InputArgs, config: &Config, following: &Following) -> anyhow::Result<Self> {
-        let sensor = Sensor::new(config.params("ingest"));
-        let streamed = match check_live(config.params("flight")) {
-            Ok(()) => Recording::of_standard_input(&args.read_options(config), &sensor, following)?,
-            Err(_) => None, // later scans are known once all of it is there
-        };
-        match streamed {
+        let sensor = config.sensor();
+        match Recording::of_standard_input(&args.read_options(config), &sensor, following)? {
             Some(recording) => Ok(Self::flown(recording, PathBuf::from("-"))),
             None => Self::open(&args.recordings.input, args, config),
         }
@@ -91,8 +84,7 @@ impl Flight {
         config: &Config,
         following: &Following,
     ) -> anyhow::Result<Self> {
-        check_live(config.params("flight")).map_err(|error| UsageError(error.to_string()))?;
-        let sensor = Sensor::new(config.params("ingest"));
+        let sensor = config.sensor();
         // The topic is named by the address; those of --topic are scanners beside it.
         let options = ReadOptions {
             topic: Some(robot.topic.clone()),

@@ -5,9 +5,9 @@ use std::ops::Range;
 use crosscut_scan::{Pieces, Ring};
 use crosscut_stage::{Affinity, Verdict};
 
+use super::decision::Decision;
 use super::judge::Judge;
 use super::odds::{self, Measures};
-use super::verdict::Decision;
 
 /// A return of no wall has an edge to the nearer of the walls beside it, if that is no farther than this.
 const NEAR_M: f64 = 3.0;
@@ -126,7 +126,7 @@ impl Chains {
                 return 1.0;
             }
             let joint = judge.joint(&chain[..at], &chain[at..]);
-            if let Some((decision, measured)) = joint.verdict() {
+            if let Some((decision, measured)) = judge.verdict(&joint) {
                 measures.push(measured);
                 verdicts.push(verdict(ring, [pair[0], pair[1]], false, decision, measured));
             }
@@ -177,7 +177,10 @@ impl Chains {
             let ends = [a[a.len() - 1], b[0]];
             let is_only_wall = next == at;
             let judged = if is_only_wall && judge.context.is_gap(ends[0], ends[1]) {
-                judge.joint(a, b).verdict()
+                {
+                    let joint = judge.joint(a, b);
+                    judge.verdict(&joint)
+                }
             } else {
                 (!is_only_wall).then(|| judge.least_room(a, b))
             };

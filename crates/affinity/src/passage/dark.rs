@@ -7,10 +7,6 @@ use crosscut_stage::Measured;
 
 use super::gap::Gap;
 
-/// A gap is dark if at least this many beams into it came back with nothing.
-const DARK_BEAMS: u32 = 4;
-/// The beams into a dark gap that came back with nothing span more than this angle.
-const DARK_RAD: f64 = 3.5 * PI / 180.0;
 /// A return is about at the end of the sensor's range if it lies beyond this share of it.
 const FAR_SHARE: f64 = 0.8;
 
@@ -82,11 +78,6 @@ impl Gap<'_> {
             return None;
         }
         if self.is_far(self.far_m) { Some(DARK_SHARE) } else { self.is_not_lost().then_some(DARK_NEAR_SHARE) }
-    }
-
-    /// Whether enough of its beams came back with nothing for it to be dark.
-    pub(super) fn lacks_beams(&self) -> bool {
-        self.dark_beams >= DARK_BEAMS && self.dark_rad() > DARK_RAD
     }
 
     /// Whether the wall turns right, so that a patch of it may be dark.

@@ -3,12 +3,16 @@
 use std::f64::consts::{PI, TAU};
 
 use crosscut_scan::{Clearance, Directions, End, Position, direction, turn_rad};
-use crosscut_stage::Measured;
 
 use super::context::ScanContext;
 
 /// A gap with one beam in it is narrower than this, two steps of a lidar of 180 beams a turn.
 const ONE_BEAM_RAD: f64 = 4.5 * PI / 180.0;
+
+/// A gap is dark if at least this many beams into it came back with nothing.
+const DARK_BEAMS: u32 = 4;
+/// The beams into a dark gap that came back with nothing span more than this angle.
+const DARK_RAD: f64 = 3.5 * PI / 180.0;
 
 /// Walls that turn by less do not make a corner whose returns could be missing.
 pub(super) const CORNER_RAD: f64 = 75.0 * PI / 180.0;
@@ -20,13 +24,6 @@ const BUMP_HIDES_BUMPS: f64 = 30.0;
 /// A bump at a corner of rough walls is higher by this many times their roughness.
 pub(super) const BUMP_HIDES_BUMPS_AT_CORNER: f64 = 10.0;
 
-/// The end of a wall before an inner corner hides as much as a bump of this height: what is seen deeper behind it leads
-/// on.
-const INNER_CORNER_HIDES_M: f64 = 0.1;
-/// Before an inner corner of rough walls, such a bump is higher by this many times their roughness.
-const INNER_CORNER_HIDES_BUMPS: f64 = 15.0;
-/// The gap before an inner corner is narrower than this share of the place's size.
-const INNER_CORNER_SHARE: f64 = 1.4;
 /// The other side of the place is seen over a wider angle than this.
 const OTHER_SIDE_RAD: f64 = 34.0 * PI / 180.0;
 /// The direction of the other side of the place is taken over this stretch.
@@ -77,14 +74,10 @@ pub(super) struct Gap<'p> {
     pub(super) depth_m: f64,
     /// How many beams into it came back with nothing.
     pub(super) dark_beams: u32,
-    /// Nothing is seen in it.
+    /// Nothing is seen in it: an opening, a door, or lost beams.
     pub(super) is_dark: bool,
     /// Islands hide what is in it.
     pub(super) is_shaded: bool,
-    /// How deep behind the end of the nearer wall a bump hides the farther one; infinite where the gap is not clear.
-    pub(super) bump_hides_m: f64,
-    /// The farther wall is the other side of the place, and meets the line of the nearer one in a corner.
-    pub(super) is_corner: bool,
 }
 
 impl<'p> Gap<'p> {
@@ -124,7 +117,8 @@ impl<'p> Gap<'p> {
         let turns_rad @ [first_rad, second_rad] = turns_rad(directions, chord);
         let [near_rad, far_rad] = if first_is_nearer { turns_rad } else { [second_rad, first_rad] };
         let Clearance { clear_m, depth_m } = Clearance::at(chord, directions, first_is_nearer);
-        let mut gap = Self {
+        let dark_beams = ring.dark_between(p, q);
+        Self {
             context,
             pieces,
             ends,
@@ -136,56 +130,23 @@ impl<'p> Gap<'p> {
             turns: Turns { near_rad, far_rad, whole_rad: whole_turn_rad(turns_rad, ring.span_rad(p, q)) },
             clear_m,
             depth_m,
-            dark_beams: ring.dark_between(p, q),
-            is_dark: false,
+            dark_beams,
+            is_dark: dark_beams >= DARK_BEAMS && f64::from(dark_beams) * ring.step_rad > DARK_RAD,
             is_shaded: context.scan.islands.shade(ring, p, q),
-            bump_hides_m: f64::INFINITY,
-            is_corner: false,
-        };
-        gap.is_dark = gap.lacks_beams();
-        gap.measure_by_turn();
-        gap
+        }
     }
 
     /// The gap as it would be if the wall turned left by this much more in all.
     pub(super) fn turned_by(&self, more_rad: f64) -> Self {
         let mut gap = *self;
         gap.turns.whole_rad += more_rad;
-        gap.measure_by_turn();
         gap
     }
 
-    /// Measures what depends on how much the wall turns.
-    fn measure_by_turn(&mut self) {
-        if !self.is_clear() {
-            return;
-        }
+    /// How deep behind the end of the nearer wall a bump hides the farther one.
+    pub(super) fn bump_hides_m(&self) -> f64 {
         let bumps = if self.turns.whole_rad < CORNER_RAD { BUMP_HIDES_BUMPS } else { BUMP_HIDES_BUMPS_AT_CORNER };
-        self.bump_hides_m = self.shadow_m(BUMP_HIDES_M, bumps);
-        self.is_corner = !self.context.thresholds.disabled.corners
-            && self.turns_like_branch()
-            && self.clear_m < INNER_CORNER_SHARE * self.context.scan.size_m
-            && self.step_m() < self.corner_hides_m()
-            && self.shows_other_side();
-    }
-
-    /// The step behind it, if it is an inner corner.
-    pub(super) fn in_corner(&self) -> Option<Measured> {
-        let hides_m = self.corner_hides_m();
-        let step = || {
-            Measured::metres(
-                "behind the nearer end the other side of the place needs a step of",
-                self.step_m(),
-                "a corner hides up to",
-                hides_m,
-            )
-        };
-        self.is_corner.then(step)
-    }
-
-    /// How deep the end of a wall before an inner corner hides what is behind it.
-    fn corner_hides_m(&self) -> f64 {
-        self.shadow_m(INNER_CORNER_HIDES_M, INNER_CORNER_HIDES_BUMPS)
+        self.shadow_m(BUMP_HIDES_M, bumps)
     }
 
     /// How deep a bump at the end of the nearer wall hides the farther one: the deeper, the farther that is behind it.

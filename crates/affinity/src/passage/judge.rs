@@ -2,12 +2,19 @@
 
 use std::f64::consts::PI;
 
-use crosscut_scan::{Directions, Position};
+use crosscut_scan::{Directions, LostBeams, Position};
 
 use super::context::ScanContext;
+use super::decision::Decision;
 use super::gap::{Gap, ends_run};
 use super::odds::Measures;
-use super::verdict::Decision;
+use super::verdict::Rules;
+
+/// A wall clearly continues across a gap where it turns by less than this.
+const GOES_ON_RAD: f64 = 30.0 * PI / 180.0;
+/// Where a wall clearly continues, neither end is off the line of the other piece by more than this share of the place's
+/// size.
+const GOES_ON_OFF_SHARE: f64 = 0.3;
 
 /// Turns are known to within this much.
 const DOUBT_RAD: f64 = 5.0 * PI / 180.0;
@@ -43,6 +50,7 @@ const COST_OF_TWO_SMALL_PER_M: f64 = 0.1;
 /// Judges the gaps of one scan.
 pub(super) struct Judge<'s> {
     pub(super) context: &'s ScanContext<'s>,
+    rules: Rules,
     directions: &'s mut Directions,
 }
 
@@ -54,18 +62,38 @@ pub(super) struct Joint<'p> {
     judged: Option<(Gap<'p>, Decision)>,
 }
 
-impl Joint<'_> {
-    /// What is decided, and what the odds of that rest on.
-    pub(super) fn verdict(&self) -> Option<(Decision, Option<Measures>)> {
-        let (gap, decision) = self.judged.as_ref()?;
-        Some((*decision, Some(gap.measures(*decision))))
+/// The beams that are lost within the pieces of a scan, and between two pieces where the wall clearly continues.
+pub(super) fn lost_beams(context: &ScanContext<'_>, directions: &mut Directions) -> LostBeams {
+    let (ring, pieces, mut lost) = (&context.scan.ring, &context.scan.pieces, LostBeams::default());
+    for pair in pieces.iter().flat_map(|piece| piece.windows(2)) {
+        lost.count(ring, ring.dark_between(pair[0], pair[1]));
     }
+    let gaps = if ring.full_turn { pieces.len() } else { pieces.len().saturating_sub(1) };
+    for at in 0..gaps {
+        let (a, b) = (&pieces[at], &pieces[pieces.next(at)]);
+        let beams = ring.dark_between(a[a.len() - 1], b[0]);
+        if beams > 0 && Gap::between(context, a, b, directions).is_some_and(|gap| clearly_goes_on(&gap)) {
+            lost.count(ring, beams);
+        }
+    }
+    lost
+}
+
+fn clearly_goes_on(gap: &Gap<'_>) -> bool {
+    let off_m = gap.clear_m.max(gap.depth_m.abs());
+    off_m < GOES_ON_OFF_SHARE * gap.context.scan.size_m && gap.turns.whole_rad < GOES_ON_RAD
 }
 
 impl<'s> Judge<'s> {
-    /// The judge of a context; the directions are those of its scan.
-    pub(super) fn new(context: &'s ScanContext<'s>, directions: &'s mut Directions) -> Self {
-        Self { context, directions }
+    /// The judge of a context by these rules; the directions are those of its scan.
+    pub(super) fn new(context: &'s ScanContext<'s>, rules: Rules, directions: &'s mut Directions) -> Self {
+        Self { context, rules, directions }
+    }
+
+    /// What is decided at the gap of a joint, and what the odds of that rest on.
+    pub(super) fn verdict(&self, joint: &Joint<'_>) -> Option<(Decision, Option<Measures>)> {
+        let (gap, decision) = joint.judged.as_ref()?;
+        Some((*decision, Some(self.rules.measures(gap, *decision))))
     }
 
     /// The cost at which a wall continues from the end of piece `a` to the start of piece `b`, anticlockwise; `None`
@@ -84,7 +112,7 @@ impl<'s> Judge<'s> {
         match self.directions(a, b) {
             [Some(before), Some(after)] => {
                 let gap = Gap::measure(self.context, [a, b], [before, after]);
-                let decision = gap.decide();
+                let decision = self.rules.decide(&gap);
                 let detour_rad = gap.turns.near_rad.abs().min(gap.turns.far_rad.abs());
                 let chord_m = gap.chord_m();
                 let long = if chord_m > LONG_GAP_M { COST_PER_M * chord_m } else { 0.0 };
@@ -113,7 +141,8 @@ impl<'s> Judge<'s> {
 
     /// The room ratio between two pieces with directions, if that makes an opening.
     pub(super) fn room_ratio_of_opening(&mut self, a: &[usize], b: &[usize]) -> Option<f64> {
-        let decision = self.gap(a, b)?.decide();
+        let gap = self.gap(a, b)?;
+        let decision = self.rules.decide(&gap);
         decision.is_opening().then_some(decision.room_ratio)
     }
 
@@ -125,10 +154,10 @@ impl<'s> Judge<'s> {
             let room_ratio = ROOM_RATIO_WITHOUT_DIRECTION;
             return (Decision { room_ratio, reason, measured: None, ratio_by_rules: room_ratio }, None);
         };
-        let decision = gap.decide();
-        let turned = [-DOUBT_RAD, DOUBT_RAD].map(|more_rad| gap.turned_by(more_rad).decide().room_ratio);
+        let decision = self.rules.decide(&gap);
+        let turned = [-DOUBT_RAD, DOUBT_RAD].map(|more_rad| self.rules.decide(&gap.turned_by(more_rad)).room_ratio);
         let least = turned.into_iter().fold(decision.room_ratio, f64::min);
-        (Decision { room_ratio: least.max(LEAST_ROOM_RATIO), ..decision }, Some(gap.measures(decision)))
+        (Decision { room_ratio: least.max(LEAST_ROOM_RATIO), ..decision }, Some(self.rules.measures(&gap, decision)))
     }
 
     /// The gap between two pieces; `None` if one of them has no direction.

@@ -1,9 +1,9 @@
 //! `passage`: edges along each wall, and none where a vehicle could pass.
 
-mod carrying;
 mod chains;
 mod context;
 mod dark;
+mod decision;
 mod gap;
 mod joining;
 mod judge;
@@ -15,17 +15,16 @@ mod terms;
 mod verdict;
 mod widths;
 
-use crosscut_scan::{Directions, LEAST_WALL_RETURNS, Lengths, LevelView, Pieces, Scan};
+use crosscut_scan::{Directions, LEAST_WALL_RETURNS, Lengths, LostBeams, Pieces, Scan};
 use crosscut_stage::{
-    Affinity, AffinityStage, Count, Flag, Invariance, Kind, Names, Notes, Number, Params, Point, Revolution,
-    StageError, Storage, Sweep, Verdict, counted,
+    Affinity, AffinityStage, Count, Flag, Invariance, Kind, Names, Notes, Number, Params, Revolution, StageError,
+    Storage, Verdict, counted,
 };
 
-use carrying::Carrying;
 use chains::Chains;
 use context::{ScanContext, Thresholds};
-use judge::Judge;
-use verdict::DisabledRules;
+use judge::{Judge, lost_beams};
+use verdict::Rules;
 
 pub use odds::{MEASURES, Measures};
 
@@ -69,12 +68,6 @@ const NEIGHBOURS: Count = Count::new("neighbours", "returns", 2)
     .to(1000)
     .doc("each return has edges to this many returns of its wall on either side");
 
-const HEIGHT_M: Number = Number::new("height_m", "m", 0.6)
-    .above(0.0)
-    .to(100.0)
-    .follows("vehicle.height_m", 1.0)
-    .doc("vehicle.height_m unless it is set: of a cloud, returns farther above or below the sensor than half of it are of no wall");
-
 const LEAK: Number = Number::new("leak", "", 1e-8).from(0.0).to(1.0).doc(
     "a weak edge over each opening makes an eigenvalue of leak/2 divided by the odds that a vehicle can pass; the zero tolerance follows it; 0: no such edges",
 );
@@ -94,7 +87,6 @@ pub const KIND: Kind<dyn AffinityStage> = Kind::affinity(
 )
 .params(&[
     PASSAGE_M.spec,
-    HEIGHT_M.spec,
     STRETCH_M.spec,
     STRAIGHT_DEG.spec,
     WAY_DEG.spec,
@@ -106,8 +98,9 @@ pub const KIND: Kind<dyn AffinityStage> = Kind::affinity(
     WITHOUT.spec,
     WIDTHS.spec,
 ])
-// On average one more edge to and from a return that is left over; an unseen return of a cloud has three.
-.storage(Storage::Sparse(|params, _| (2 * params.get(NEIGHBOURS) + 3).max(7)))
+// On average one more edge to and from a return that is left over.
+.storage(Storage::Sparse(|params, _| 2 * params.get(NEIGHBOURS) + 3))
+.needs_beams()
 // It sees ranges, and the order of the beams.
 .blind_to(&[Invariance::Turn, Invariance::Mirror]);
 
@@ -130,30 +123,16 @@ pub const KIND: Kind<dyn AffinityStage> = Kind::affinity(
 ///    which were joined at cost c_g, for the `neighbours` returns on either side of i. These weights do not fall with
 ///    the spacing of returns, so the second eigenvalue of a wall's block does not either. From wall to wall there is
 ///    one weak edge over each opening. Its eigenvalue is half of `leak`, divided by the odds (`odds.rs`) that a vehicle can pass.
-///
-/// A cloud is worked on by the sweep that a level vehicle sees of it ([`LevelView`]). Its walls are then carried on to
-/// the returns that are not seen (`carrying.rs`), by edges such that the second eigenvalue depends on the walls and not
-/// on n.
 struct Passage {
     thresholds: Thresholds,
-    height_m: f64,
+    rules: Rules,
     wall_rad: f64,
     leak: f64,
     tells_widths: bool,
     chains: Chains,
-    cloud: Cloud,
     scan: Scan,
     directions: Directions,
     walls: Pieces,
-}
-
-/// The buffers of a cloud.
-#[derive(Clone, Debug, Default)]
-struct Cloud {
-    view: LevelView,
-    /// The graph of the returns that are seen.
-    seen: Affinity,
-    carrying: Carrying,
 }
 
 impl Passage {
@@ -168,31 +147,17 @@ impl Passage {
             straight_rad: params.get(STRAIGHT_DEG).to_radians(),
             way_rad: params.get(WAY_DEG).to_radians(),
             clear_share: params.get(CLEAR_SHARE),
-            disabled: DisabledRules::new(&params.get(WITHOUT)),
         };
         Self {
             thresholds,
-            height_m: params.get(HEIGHT_M),
+            rules: Rules::without(&params.get(WITHOUT)),
             wall_rad: params.get(WALL_DEG).to_radians(),
             leak: params.get(LEAK),
             tells_widths: params.get(WIDTHS),
             chains: Chains::new(params.get(NEIGHBOURS)),
-            cloud: Cloud::default(),
             scan: Scan::default(),
             directions: Directions::default(),
             walls: Pieces::default(),
-        }
-    }
-
-    fn write_walls(
-        &mut self,
-        revolution: &Revolution,
-        out: &mut Affinity,
-        notes: &mut Notes,
-    ) -> Result<(), StageError> {
-        match revolution.as_sweep() {
-            Some(sweep) => self.walls_of_sweep(sweep, &revolution.points_m, self.leak, out, notes),
-            None => self.walls_of_cloud(revolution, out, notes),
         }
     }
 
@@ -210,18 +175,17 @@ impl Passage {
         holds_m
     }
 
-    /// Writes W, D and the verdicts of a sweep, whose points these are.
-    fn walls_of_sweep(
+    /// Writes W and the verdicts of a sweep.
+    fn write_walls(
         &mut self,
-        sweep: &Sweep,
-        points_m: &[Point],
-        leak: f64,
+        revolution: &Revolution,
         out: &mut Affinity,
         notes: &mut Notes,
     ) -> Result<(), StageError> {
-        let Self { thresholds, scan, directions, walls, .. } = self;
+        let Some(sweep) = revolution.beams() else { return Err(StageError::without_beams("passage")) };
+        let Self { thresholds, rules, scan, directions, walls, .. } = self;
         let lengths = &thresholds.lengths;
-        scan.make(sweep, points_m, lengths)?;
+        scan.make(sweep, &revolution.points_m, lengths)?;
         if scan.dust_returns > 0 {
             let dust_returns = counted(scan.dust_returns as u64, "return");
             notes.add(format!("passage: {dust_returns} in the air (dust, edges of pillars) ignored"));
@@ -237,50 +201,16 @@ impl Passage {
         // A step of 0 gives an infinite number: then no piece is a wall.
         let least_returns = ((self.wall_rad / scan.ring.step_rad).round() as usize).max(LEAST_WALL_RETURNS);
         directions.start(&scan.ring, &scan.roughness, lengths.stretch_m);
-        let context = ScanContext::new(scan, *thresholds, directions);
-        let mut judge = Judge::new(&context, directions);
+        let mut context = ScanContext { scan, thresholds: *thresholds, lost: LostBeams::default() };
+        context.lost = lost_beams(&context, directions);
+        let mut judge = Judge::new(&context, *rules, directions);
         walls.clone_from(&scan.pieces);
         let mut left_over = joining::join(&mut judge, walls, least_returns);
         if joining::cut_at_openings(&mut judge, walls) {
             left_over.extend(joining::join(&mut judge, walls, least_returns));
         }
-        self.chains.write(&mut judge, walls, &left_over, leak, out);
+        self.chains.write(&mut judge, walls, &left_over, self.leak, out);
         Ok(())
-    }
-
-    /// Writes W, D and the verdicts of a cloud, by the sweep that a level vehicle sees of it.
-    fn walls_of_cloud(&mut self, cloud: &Revolution, out: &mut Affinity, notes: &mut Notes) -> Result<(), StageError> {
-        let passage_m = self.thresholds.lengths.passage_m;
-        let mut buffers = std::mem::take(&mut self.cloud);
-        let Cloud { view, seen, carrying } = &mut buffers;
-        view.look(cloud, self.height_m, passage_m);
-        if let Some(sweep) = cloud.beams() {
-            notes.add(format!(
-                "passage: sweep of {} beams processed as a cloud of {} beams",
-                sweep.len(),
-                view.beams()
-            ));
-        }
-        let aside = cloud.len() - view.level().len();
-        if aside > 0 {
-            let aside = counted(aside as u64, "return");
-            notes.add(format!("passage: {aside} above or below the vehicle, or within it, ignored"));
-        }
-        let sweep = view.seen().sweep.as_ref().expect("a view has beams");
-        // No leak: carried on to the returns that are not seen, it would become many.
-        let done = self.walls_of_sweep(sweep, &view.seen().points_m, 0.0, seen, notes);
-        if done.is_ok() {
-            seen.sum_degrees(); // by which a return that has an edge is known
-            out.verdicts.extend(
-                seen.verdicts.iter().map(|verdict| Verdict {
-                    returns: verdict.returns.map(|i| view.numbers()[i as usize]),
-                    ..*verdict
-                }),
-            );
-            carrying.write(cloud, view, seen, passage_m, out);
-        }
-        self.cloud = buffers;
-        done
     }
 }
 

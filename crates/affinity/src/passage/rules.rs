@@ -4,8 +4,7 @@ use std::f64::consts::PI;
 
 use crosscut_stage::Measured;
 
-use super::gap::{BUMP_HIDES_M, CORNER_RAD, Gap};
-use super::verdict::{Decision, RuleGroup, VetoPhase, WIDTH};
+use super::gap::{CORNER_RAD, Gap};
 
 /// An opening between two walls that recede is at least this share of the place's size wide.
 const OPENING_SHARE: f64 = 0.3;
@@ -15,9 +14,6 @@ const SHADE_SHARE: f64 = 1.5;
 const SEEN_INSIDE_SHARE: f64 = 0.5;
 /// A gap before the face of a corner is at least this share of the place's size long.
 const FACE_SHARE: f64 = 0.75;
-/// A gap before the face of a side passage is this many times as long as the vehicle is wide, which turns into it; a
-/// shorter one may be a niche.
-const SIDE_TIMES: f64 = 2.0;
 /// A farther wall that is another one ends in front of the line of the nearer one by at least this share of the place's
 /// size.
 const IN_FRONT_SHARE: f64 = 0.65;
@@ -38,48 +34,14 @@ const STEP: &str = "a wall here would need, behind the nearer end, a step of";
 const DEPTH: &str = "the farther wall is seen behind the line of the nearer one by";
 
 impl Gap<'_> {
-    /// How much room there is, by the rules and vetoes that are left, and by the odds.
-    pub(super) fn decide(&self) -> Decision {
-        self.limited_by_odds(self.decide_by_rules())
-    }
-
-    /// How much room there is, by the rules and vetoes of the table.
-    pub(super) fn decide_by_rules(&self) -> Decision {
-        let disabled = self.context.thresholds.disabled;
-        if let Some(none) = disabled.veto(VetoPhase::BeforeRules, self) {
-            return none;
-        }
-        let clear = disabled.veto(VetoPhase::OfClearRules, self).unwrap_or_else(|| {
-            let most = self.without_room().or_by(disabled.rules(RuleGroup::Clear), self);
-            most.at_most(Measured::metres(LINES, self.clear_m, "the vehicle needs", self.context.passage_m()))
-        });
-        let mut decision = clear.or_by(disabled.rules(RuleGroup::Dark), self);
-        if !decision.is_opening() {
-            decision = decision.or_by(disabled.rules(RuleGroup::Last), self);
-        }
-        let veto = if decision.is_opening() { disabled.veto(VetoPhase::OfOpenings, self) } else { None };
-        veto.unwrap_or(decision)
-    }
-
-    /// What is decided if no rule finds room.
-    fn without_room(&self) -> Decision {
-        if self.opening_share().is_some() {
-            return Decision::no_room(WIDTH, None);
-        }
-        let turn_rad = self.turns.whole_rad;
-        let turn = Measured {
-            what: if turn_rad < 0.0 { "the wall turns back by" } else { "the wall turns away by" },
-            value: turn_rad.abs().to_degrees(),
-            against: "where it ends it turns away by at least",
-            limit: self.context.thresholds.straight_rad.to_degrees(),
-            unit: "°",
-        };
-        Decision::no_room("the wall turns too little", Some(turn))
+    /// The clear width beside the width of the vehicle.
+    pub(super) fn clear_width(&self) -> Measured {
+        Measured::metres(LINES, self.clear_m, "the vehicle needs", self.context.passage_m())
     }
 
     /// How wide an opening is at least, as a share of the place's size, where the wall turns like this; `None` where the
     /// wall continues whatever the width is.
-    fn opening_share(&self) -> Option<f64> {
+    pub(super) fn opening_share(&self) -> Option<f64> {
         if self.turns.whole_rad >= self.context.thresholds.way_rad {
             return Some(OPENING_SHARE);
         }
@@ -100,7 +62,8 @@ pub(super) fn room_inside(gap: &Gap<'_>) -> Option<Measured> {
     if !gap.turns_like_branch() {
         return None;
     }
-    let hidden_m = gap.bump_hides_m.min(SEEN_INSIDE_SHARE * gap.context.scan.size_m);
+    let bump_m = if gap.is_clear() { gap.bump_hides_m() } else { f64::INFINITY };
+    let hidden_m = bump_m.min(SEEN_INSIDE_SHARE * gap.context.scan.size_m);
     let step = Measured::metres(STEP, gap.step_m(), "these walls hide steps of up to", hidden_m);
     let deep = Measured::metres(
         DEPTH,
@@ -122,19 +85,6 @@ pub(super) fn room_before_face(gap: &Gap<'_>) -> Option<Measured> {
     );
     let may_show_face = gap.is_clear() || gap.opening_share().is_none();
     (room.ratio() >= 1.0 && may_show_face && gap.turns_to_face()).then_some(room)
-}
-
-/// A vehicle fits between the nearer wall and a face that begins deep behind it, deeper than the face of a corner, and no bump
-/// hides as much. The line of the farther wall shows little: it is the line of the face, or of the wall behind it.
-pub(super) fn room_into_side_passage(gap: &Gap<'_>) -> Option<Measured> {
-    let is_deep = gap.is_clear() && !gap.is_corner && gap.depth_m > BUMP_HIDES_M;
-    let room = Measured::metres(
-        "the face of a side passage is seen beyond a gap of",
-        gap.chord_m(),
-        "niches and bumps are no longer than",
-        gap.context.with_bumps_m(SIDE_TIMES * gap.context.passage_m(), PLAIN_BUMPS),
-    );
-    (is_deep && room.ratio() >= 1.0 && gap.turns_to_face() && gap.fits_vehicle()).then_some(room)
 }
 
 /// The farther wall of a dark gap begins so far in front of the nearer one that it is another wall.

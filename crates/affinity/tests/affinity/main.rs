@@ -2,9 +2,7 @@
 
 mod breakpoint;
 mod conformance;
-mod dbscan;
 mod passage;
-mod passage_clouds;
 mod rbf;
 mod threshold;
 

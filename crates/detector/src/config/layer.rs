@@ -21,14 +21,11 @@ pub enum Preset {
     Threshold,
     /// A baseline: adaptive breakpoints.
     Breakpoint,
-    /// A baseline: DBSCAN.
-    Dbscan,
 }
 
 impl Preset {
     /// All presets, in the order in which messages list them.
-    pub const ALL: [Self; 6] =
-        [Self::Paper, Self::Default, Self::ClearWidth, Self::Threshold, Self::Breakpoint, Self::Dbscan];
+    pub const ALL: [Self; 5] = [Self::Paper, Self::Default, Self::ClearWidth, Self::Threshold, Self::Breakpoint];
 
     /// The preset of this name.
     ///
@@ -49,7 +46,6 @@ impl Preset {
             Self::ClearWidth => "clear_width",
             Self::Threshold => "threshold",
             Self::Breakpoint => "breakpoint",
-            Self::Dbscan => "dbscan",
         }
     }
 
@@ -60,7 +56,6 @@ impl Preset {
             Self::ClearWidth => include_str!("presets/clear_width.toml"),
             Self::Threshold => include_str!("presets/threshold.toml"),
             Self::Breakpoint => include_str!("presets/breakpoint.toml"),
-            Self::Dbscan => include_str!("presets/dbscan.toml"),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crosscut_sensor::{MAX_RANGE_M, MIN_RANGE_M};
+use crosscut_sensor::{MAX_RANGE_M, MIN_RANGE_M, Sensor};
 use crosscut_stage::{Kind, ParamErrorKind, ParamSpec, Params, StageKind, Value};
 
 use super::error::{ConfigError, nearest, nearest_and_all};
@@ -124,6 +124,11 @@ impl Config {
     /// When there is no such section.
     pub fn params(&self, section: &str) -> &Params {
         &self.section(section).params
+    }
+
+    /// The sensor, on its vehicle.
+    pub fn sensor(&self) -> Sensor {
+        Sensor::new(self.params("ingest"), self.params("vehicle"))
     }
 
     /// This configuration with another value of a parameter.

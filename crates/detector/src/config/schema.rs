@@ -53,7 +53,7 @@ pub(super) fn sections(registry: &Registry) -> [Section; 10] {
         chosen(&registry.spectral),
         chosen(&registry.kmeans),
         fixed("report", crosscut_report::PARAMS),
-        fixed("vehicle", crosscut_report::VEHICLE_PARAMS),
+        fixed("vehicle", crosscut_sensor::VEHICLE_PARAMS),
         fixed("flight", crosscut_flight::PARAMS),
         fixed("pipeline", PIPELINE_PARAMS),
         fixed("recording", recording::PARAMS),

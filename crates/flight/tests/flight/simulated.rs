@@ -1,7 +1,7 @@
 //! Poses on simulated flights, against the true ones.
 
 use crosscut_flight::{PoseTracker, Tracked};
-use crosscut_sensor::{PARAMS, Sensor};
+use crosscut_sensor::Sensor;
 use crosscut_simulator::Scene;
 use crosscut_stage::{Notes, Params, Revolution, Value};
 use nalgebra::{Isometry2, Vector2};
@@ -36,7 +36,7 @@ fn track_by(
 ) -> (Vec<Tracked>, usize) {
     let mut params = Params::defaults(crosscut_flight::PARAMS);
     params.set("pose", Value::Text(kind.to_owned())).expect("a kind");
-    let (mut tracker, sensor) = (PoseTracker::new(&params), Sensor::new(&Params::defaults(PARAMS)));
+    let (mut tracker, sensor) = (PoseTracker::new(&params), Sensor::default());
     let (mut revolution, mut noted) = (Revolution::default(), 0);
     let add = |(i, scene): (usize, &Scene)| {
         sensor.revolution(&scene.scan, &mut revolution, &mut Notes::default());

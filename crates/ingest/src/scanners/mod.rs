@@ -134,6 +134,7 @@ impl Scanners {
         }
         std::mem::swap(&mut first.points_m, &mut joined.points_m);
         std::mem::swap(&mut first.sweep, &mut joined.sweep);
+        first.entries.clear();
         first.frame_id = frame;
     }
 }

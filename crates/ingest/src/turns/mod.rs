@@ -191,7 +191,7 @@ impl Turns {
     ) {
         self.view.show(scan, turn.rad_per_beam, motion, sensor, out, notes);
         notes.extend(turn.notes.iter().cloned());
-        self.view.hide(scan, &turn.missing, out, notes);
+        self.view.hide(scan, &turn.missing, sensor, out, notes);
     }
 
     /// A place for the next message.

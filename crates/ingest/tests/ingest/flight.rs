@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use crosscut_ingest::{ReadOptions, Recording};
 use crosscut_messages::{Endian, Header, LaserScan, Message, Time};
-use crosscut_sensor::{PARAMS, Sensor};
+use crosscut_sensor::{PARAMS, Sensor, VEHICLE_PARAMS};
 use crosscut_stage::{Notes, Params, Revolution, Source, Value};
 use mcap::records::MessageHeader;
 use mcap::{Compression, WriteOptions};
@@ -172,7 +172,7 @@ pub(crate) fn sensor(given: &[(&str, Value)]) -> Sensor {
     for (name, value) in given {
         params.set(name, value.clone()).expect("allowed");
     }
-    Sensor::new(&params)
+    Sensor::new(&params, &Params::defaults(VEHICLE_PARAMS))
 }
 
 /// What came out of a recording.

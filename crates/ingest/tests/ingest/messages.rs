@@ -3,7 +3,7 @@
 use crosscut_ingest::{IngestError, ReadOptions, Recording};
 use crosscut_messages::{Cloud, Endian, LaserScan, Message, NumberType, PointCloud2, PointField, ScanType};
 use crosscut_sensor::Sensor;
-use crosscut_stage::{Notes, Revolution, Source, Value};
+use crosscut_stage::{Notes, Point, Revolution, Source, Value};
 
 use crate::flight::{Folder, Form, Record, START_NS, drain, plain_flight, record_at, scan, sensor};
 
@@ -91,39 +91,42 @@ fn revolution_of(record: Record, sensor: Sensor) -> (Revolution, Vec<String>) {
 }
 
 #[test]
-fn a_cloud_is_one_revolution_without_beams() {
+fn a_cloud_is_the_revolution_that_a_level_vehicle_sees() {
     let points_m = [[1.0, 2.0, 0.5], [f32::NAN; 3], [0.0; 3], [-3.0, 0.0, 0.0]];
     let (revolution, notes) = revolution_of(cloud(&points_m), sensor(&[]));
-    assert!(revolution.beams().is_none());
+    assert_eq!((&revolution.points_m[..], &revolution.entries[..]), (&[Point::new(-3.0, 0.0, 0.0)][..], &[-2, 0][..]));
     assert_eq!(
-        revolution.points_m.iter().map(|point| point.coords.into()).collect::<Vec<[f64; 3]>>(),
-        [[1.0, 2.0, 0.5], [-3.0, 0.0, 0.0]]
+        notes,
+        [
+            "1 point at the sensor itself read as no return",
+            "1 return above or below the vehicle, or within it, ignored",
+            "no stamp: the time of recording is used"
+        ]
     );
-    assert_eq!(notes, ["1 point at the sensor itself read as no return", "no stamp: the time of recording is used"]);
 }
 
 #[test]
 fn a_slice_of_a_cloud_has_the_rings_that_are_asked_for() {
     let points_m =
-        [[1.0, 2.0, 0.5], [2.0, 0.0, 0.0], [3.0, 0.0, 0.0], [4.0, 1.0, 0.0]].map(|place_m| place_m.map(f64::from));
+        [[1.0, 2.0, 0.0], [2.0, 0.0, 0.0], [-3.0, 0.0, 0.0], [4.0, 1.0, 0.0]].map(|place_m| place_m.map(f64::from));
     let of_rings = |rings: Vec<u32>| {
         let cloud = Cloud { points_m: points_m.to_vec(), rings, ..Cloud::default() };
         let data = PointCloud2::from(&cloud).encode(Endian::Little);
         let sensor = sensor(&[("rings", Value::Pairs(vec![[2.0, 2.0], [5.0, 9.0]]))]);
         let (revolution, notes) = revolution_of(Record { data, ..self::cloud(&[]) }, sensor);
-        (revolution.points_m.iter().map(|point_m| point_m.x).collect::<Vec<_>>(), notes)
+        (revolution.points_m.iter().map(|point_m| point_m.x).collect::<Vec<_>>(), revolution.entries.len(), notes)
     };
-    let (taken, notes) = of_rings(vec![1, 2, 7, 10]);
-    assert_eq!(taken, [2.0, 3.0]);
+    let (taken, entries, notes) = of_rings(vec![1, 2, 7, 10]);
+    assert_eq!((taken, entries), (vec![2.0, -3.0], 2));
     assert!(notes.contains(&"2 points of other rings than ingest.rings left out".to_owned()), "{notes:?}");
-    let (all, notes) = of_rings(Vec::new());
-    assert_eq!(all, [1.0, 2.0, 3.0, 4.0]);
+    let (_, entries, notes) = of_rings(Vec::new());
+    assert_eq!(entries, 4);
     assert!(notes.iter().any(|note| note.contains("does not state rings")), "{notes:?}");
 }
 
 #[test]
 fn mounting_limits_and_masks_hold_for_clouds() {
-    let points_m = [[1.0, 2.0, 0.5], [0.1, 0.0, 0.0], [90.0, 0.0, 0.0], [-3.0, 1.0, 0.0]];
+    let points_m = [[1.0, 2.0, 0.25], [0.1, 0.0, 0.0], [90.0, 0.0, 0.0], [-3.0, 1.0, 0.0]];
     let sensor = sensor(&[
         ("upside_down", Value::Flag(true)),
         ("min_range_m", Value::Number(0.5)),
@@ -131,10 +134,7 @@ fn mounting_limits_and_masks_hold_for_clouds() {
         ("masked_sectors_rad", Value::Pairs(vec![[-3.1, -2.5]])),
     ]);
     let (revolution, notes) = revolution_of(cloud(&points_m), sensor);
-    assert_eq!(
-        revolution.points_m.iter().map(|point| point.coords.into()).collect::<Vec<[f64; 3]>>(),
-        [[1.0, -2.0, -0.5]]
-    );
+    assert_eq!(revolution.points_m, [Point::new(1.0, -2.0, 0.0)]);
     for note in
         ["1 point nearer than min_range_m 0.5 m", "1 point beyond max_range_m 50 m", "1 point in masked sectors"]
     {

@@ -3,9 +3,8 @@
 use std::f64::consts::{PI, TAU};
 
 use crosscut_ingest::{ReadOptions, Recording};
-use crosscut_messages::{Cloud, Endian, Header, LaserScan, Message, Odometry, PointCloud2, Quaternion, Time};
+use crosscut_messages::{Endian, Header, LaserScan, Message, Odometry, Quaternion, Time};
 use crosscut_stage::{Notes, Revolution, Source, Value};
-use nalgebra::{Isometry2, Point2, Vector2};
 
 use crate::flight::{Folder, Form, Record, STEP_NS, record_at, sensor, time_ns};
 
@@ -180,43 +179,5 @@ fn odometry_tells_the_turn_that_a_first_scan_cannot_show() {
             last_of(records(), &[("deskew", Value::Flag(false)), ("upside_down", Value::Flag(upside_down))]);
         assert!(skewed.odometry.is_some_and(|pose| pose.rotation.angle().abs() < 1e-6), "at the stamp");
         assert!(!notes.iter().any(|note| note.starts_with("turned")), "{notes:?}");
-    }
-}
-
-#[test]
-fn points_of_a_cloud_with_times_lie_where_the_middle_of_it_sees_them() {
-    let (speed_m_s, rate_rad_s, scan_s) = (3.0, 1.5, 0.1);
-    let pose = |time_s: f64| Isometry2::new(Vector2::new(speed_m_s * time_s, 0.0), rate_rad_s * time_s);
-    let places: Vec<_> = (0..200).map(|i| Point2::new(4.0 + 0.01 * f64::from(i), 2.0 - 0.03 * f64::from(i))).collect();
-    let times_s: Vec<_> = (0..200).map(|i| scan_s * f64::from(i) / 199.0).collect();
-    let seen_m = |(place, time_s): (&Point2<f64>, &f64)| {
-        let seen_m = pose(*time_s).inverse_transform_point(place);
-        [seen_m.x, seen_m.y, 0.5]
-    };
-    let points_m: Vec<_> = places.iter().zip(&times_s).map(seen_m).collect();
-    let header = Header { stamp: Time::from_ns(time_ns(0)), frame_id: "lidar".to_owned() };
-    let farthest_m = |times_s: Vec<f64>, settings: &[(&str, Value)]| {
-        let cloud = Cloud { header: header.clone(), points_m: points_m.clone(), times_s, rings: Vec::new() };
-        let data = PointCloud2::from(&cloud).encode(Endian::Little);
-        let of_cloud = Record {
-            topic: "/points",
-            type_name: PointCloud2::SCHEMA_NAME,
-            encoding: "cdr",
-            log_time_ns: time_ns(0),
-            data,
-        };
-        let (revolution, notes) = last_of(odometry(speed_m_s, rate_rad_s).chain([of_cloud]).collect(), settings);
-        let off_m = |(place, point_m): (&Point2<f64>, &crosscut_stage::Point)| {
-            assert!((point_m.z - 0.5).abs() < 1e-6);
-            (pose(0.5 * scan_s).inverse_transform_point(place) - point_m.xy()).norm()
-        };
-        (places.iter().zip(&revolution.points_m).map(off_m).fold(0.0, f64::max), notes)
-    };
-    let (off_m, notes) = farthest_m(times_s.clone(), &[]);
-    assert!(off_m < 0.005, "{off_m} m");
-    assert!(notes.iter().any(|note| note.starts_with("turned by 8.6° and moved by 0.30 m")), "{notes:?}");
-    for (times_s, settings) in [(Vec::new(), vec![]), (times_s, vec![("deskew", Value::Flag(false))])] {
-        let (off_m, notes) = farthest_m(times_s, &settings);
-        assert!(off_m > 0.2 && notes.is_empty(), "{off_m} m, {notes:?}");
     }
 }

@@ -155,7 +155,7 @@ impl Navigator {
 
 /// Whether nearly every beam about a bearing returns from near by.
 fn is_seen_to_end(revolution: &Revolution, bearing_rad: f64) -> bool {
-    let Some(sweep) = revolution.as_sweep() else { return false };
+    let Some(sweep) = revolution.beams() else { return false };
     let about = sweep.bearings_rad.iter().zip(&sweep.beams);
     let about = about.filter(|(beam_rad, _)| wrap_angle_rad(**beam_rad - bearing_rad).abs() < END_WITHIN_RAD);
     let (mut near, mut all) = (0, 0);

@@ -67,27 +67,6 @@ fn an_error_in_any_stage_leaves_exactly_the_earlier_revolutions_and_says_where()
 }
 
 #[test]
-fn looking_ahead_keeps_the_order_and_leaves_exactly_the_earlier_revolutions_of_one_that_fails() {
-    for (more, revolutions) in [("affinity.error_at_x=-1", 50), ("spectral.error_at_x=9", 9), ("kmeans.lie_at_x=3", 3)]
-    {
-        for in_flight in [1, 8] {
-            let look_ahead = "flight.look_ahead=5";
-            let config = config(&["pipeline.workers=2", &format!("pipeline.in_flight={in_flight}"), more, look_ahead]);
-            let mut written = Vec::new();
-            let mut sink = |frame: &Frame| {
-                written.push(frame.revolution.seq);
-                Ok(())
-            };
-            let options = StreamOptions { flight: true, ..StreamOptions::default() };
-            let summary =
-                stream(&mut Count::to(50), &config, &registry(), &mut sink, &mut [], &options).expect("threads");
-            assert!(written.iter().copied().eq(0..revolutions), "{more}, {in_flight} in flight: {written:?}");
-            assert_eq!((summary.revolutions, matches!(summary.end, End::Complete)), (revolutions, revolutions == 50));
-        }
-    }
-}
-
-#[test]
 fn a_source_that_errs_or_panics_keeps_what_it_gave_before() {
     let failing = [
         (Count { error_at: Some(5), ..Count::to(50) }, FailureCause::Error("the source was told to fail".into())),

@@ -3,7 +3,7 @@
 use crate::scenes::{Segment, scan, tee, tunnel};
 use crosscut_report::confidence::Grounds;
 use crosscut_report::{PARAMS, Reporter, VEHICLE_PARAMS};
-use crosscut_stage::{Beam, Frame, Junction, Params, Partition, Place, Point, Revolution, Verdict};
+use crosscut_stage::{Beam, Frame, Junction, Params, Partition, Revolution, Verdict};
 
 const VEHICLE_WIDTH_M: f64 = 0.6;
 
@@ -158,24 +158,6 @@ fn an_answer_of_which_most_beams_are_lost_is_not_sure() {
     };
     assert!(of_each(1) > 0.9 && of_each(3) > 0.9, "{} and {}", of_each(1), of_each(3));
     assert!(of_each(10) < 0.3, "{}", of_each(10));
-}
-
-#[test]
-fn of_a_cloud_a_small_wall_that_the_level_view_does_not_see_is_no_island() {
-    let (mut revolution, mut walls) = scan(&tunnel(), 360, |_| false);
-    let verdicts = verdicts(&revolution, &walls);
-    revolution.sweep = None;
-    for at in 0..5 {
-        revolution.points_m.push(Point::new(0.1 * f64::from(at), 0.0, 2.0)); // the roof
-        walls.push(Some(2));
-    }
-    let (revolution, answer) = answer_by(&[], (revolution, walls), None, &verdicts);
-    assert_eq!(answer.walls.iter().map(|wall| wall.island).collect::<Vec<_>>(), [false; 3]);
-    assert_eq!((answer.place, answer.openings.len()), (Place::Corridor, 2));
-    for opening in &answer.openings {
-        let ends_m = opening.returns.map(|number| revolution.points_m[number.expect("a return") as usize]);
-        assert_eq!(ends_m, opening.edge_m, "returns are those of the cloud");
-    }
 }
 
 #[test]

@@ -77,18 +77,24 @@ struct Measured {
 fn measure(engine: &mut Engine, size: usize, make: fn(usize, usize) -> (Revolution, u32)) -> anyhow::Result<Measured> {
     let (mut points, mut right, mut ms) = (0, 0, 0.0);
     for branches in BRANCHES {
-        let (revolution, walls) = make(branches, size);
-        points += revolution.len();
-        let mut frame = Frame { revolution, ..Frame::default() };
-        engine.process(&mut frame)?;
+        let (seen, walls) = make(branches, size);
+        points += seen.len();
+        let (sensor, mut frame) = (Sensor::default(), Frame::default());
+        let mut process = || {
+            frame.revolution.clone_from(&seen);
+            frame.notes.clear();
+            sensor.level(&mut frame.revolution, &mut frame.notes);
+            engine.process(&mut frame)?;
+            anyhow::Ok(frame.junction.junctions)
+        };
+        let counted = process()?;
         let (start_ms, mut repeats) = (processor_ms()?, 0);
         while processor_ms()? < start_ms + LEAST_MS {
-            frame.notes.clear();
-            engine.process(&mut frame)?;
+            process()?;
             repeats += 1;
         }
         ms += (processor_ms()? - start_ms) / f64::from(repeats) / BRANCHES.len() as f64;
-        right += usize::from(frame.junction.junctions == walls as usize);
+        right += usize::from(counted == walls as usize);
     }
     let points = points as f64 / BRANCHES.len() as f64;
     Ok(Measured { points, ms, right })

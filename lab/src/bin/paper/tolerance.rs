@@ -59,7 +59,7 @@ impl Method {
         let settings = Settings::new(Preset::Paper).set("spectral.kind", "faer").set("spectral.zero_tolerance", 2.0);
         let config = settings.config(registry)?;
         Ok(Self {
-            sensor: Sensor::new(config.params("ingest")),
+            sensor: config.sensor(),
             affinity: config.build(&registry.affinity),
             spectral: config.build(&registry.spectral),
             kmeans: config.build(&registry.kmeans),

@@ -10,7 +10,6 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crosscut_detector::{Config, Registry, nearest_and_all};
-use crosscut_flight::check_live;
 use crosscut_missions::{About, Flown, Journal, Moment, ResumeError, Setup, fly};
 use crosscut_navigate::{PlannerKind, planners};
 use crosscut_outfile::Keep;
@@ -35,7 +34,6 @@ pub(crate) fn explore(args: &ExploreArgs, registry: &Registry) -> anyhow::Result
         return list();
     }
     let config = args.config.resolve_with(args.scope.setting(), registry)?;
-    check_live(config.params("flight")).map_err(|error| UsageError(error.to_string()))?;
     let planner = chosen("planner", &args.planner, planners(), |planner| planner.name)?;
     let jobs = jobs(args)?;
     let read: Vec<PathBuf> = args.plan.iter().chain(&args.config.config).chain(&args.resume).cloned().collect();

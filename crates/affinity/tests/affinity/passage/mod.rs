@@ -78,7 +78,7 @@ pub(crate) fn all(_: usize, range_m: Option<f64>) -> Option<f64> {
 pub(crate) fn mixed(segments: &[Segment], beams: &[usize], share: f64) -> Revolution {
     let seen = scan(segments, all);
     let seen_m = |beam: usize| {
-        let Beam::Return(i) = seen.as_sweep()?.beams[beam % 360] else { return None };
+        let Beam::Return(i) = seen.beams()?.beams[beam % 360] else { return None };
         Some(seen.points_m[i as usize].coords.norm())
     };
     scan(segments, |beam, range_m| {

@@ -64,7 +64,7 @@ fn mixed_returns_at_the_edges_of_a_pillar_tie_it_to_no_wall() {
         let scene = [&TUNNEL[..], &pillar([x_m, y_m], radius_m)].concat();
         let seen = scan(&scene, all);
         let on_pillar = |i: usize| {
-            let Beam::Return(number) = seen.as_sweep().expect("a sweep").beams[i] else { return false };
+            let Beam::Return(number) = seen.beams().expect("a sweep").beams[i] else { return false };
             (seen.points_m[number as usize].coords.xy() - Vector2::new(x_m, y_m)).norm() < radius_m + 0.1
         };
         let [first, last] = [(0..360).find(|&i| on_pillar(i)), (0..360).rfind(|&i| on_pillar(i))].map(Option::unwrap);

@@ -35,7 +35,7 @@ impl Course {
             margin: frame.spectrum.margin_decades,
             confidence: frame.junction.confidence,
             walls: reason::arcs(&frame.junction),
-            limited_view: frame.revolution.as_sweep().is_some_and(|sweep| !sweep.view().full_turn),
+            limited_view: frame.revolution.beams().is_some_and(|sweep| !sweep.view().full_turn),
         });
     }
 
