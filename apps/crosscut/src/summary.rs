@@ -2,7 +2,7 @@
 
 use crosscut_evaluate::tables::Table;
 use crosscut_pipeline::{Answers, NoteCount, Summary};
-use crosscut_stage::{KnownGaps, NoteCode, Step, counted};
+use crosscut_stage::{KnownGaps, Step, counted};
 
 use crate::fly::Flown;
 use crate::typeset;
@@ -72,8 +72,7 @@ pub(crate) fn counts(summary: &Summary) -> Table {
 /// The `most` most frequent kinds of notes, each with its first instance.
 pub(crate) fn notes(summary: &Summary, most: usize) -> Table {
     let kinds = summary.notes.by_frequency();
-    let code = |note: &str| NoteCode::of_note(note).map_or(String::new(), |entry| entry.code.to_owned());
-    let row = |kind: &&NoteCount| vec![kind.revolutions.to_string(), code(&kind.first), kind.first.clone()];
+    let row = |kind: &&NoteCount| vec![kind.revolutions.to_string(), format!("{:?}", kind.code), kind.first.clone()];
     table(&["revolutions", "code", "note (first of its kind)"], kinds.iter().take(most).map(row).collect())
 }
 

@@ -1,5 +1,6 @@
 //! `kmeans++`: the last step of the paper's Algorithm 1.
 
+use crosscut_stage::NoteCode::{N074, N075};
 use crosscut_stage::{Count, Kind, KmeansStage, Notes, ParamSpec, Params, Partition, Spectrum, StageError};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
@@ -83,7 +84,10 @@ impl KmeansPlusPlus {
             }
         }
         if let Some((_, false)) = least {
-            notes.add(format!("k-means: the best restart had not settled after {} iterations", self.max_iterations));
+            notes.add(
+                N074,
+                format!("k-means: the best restart had not settled after {} iterations", self.max_iterations),
+            );
         }
     }
 }
@@ -112,7 +116,7 @@ impl KmeansStage for KmeansPlusPlus {
             }
         }
         if out.clusters < k {
-            notes.add(format!("k-means: only {} distinct rows of U for k = {k}", out.clusters));
+            notes.add(N075, format!("k-means: only {} distinct rows of U for k = {k}", out.clusters));
         }
         Ok(())
     }

@@ -16,6 +16,7 @@ mod verdict;
 mod widths;
 
 use crosscut_scan::{Directions, LEAST_WALL_RETURNS, Lengths, LostBeams, Pieces, Scan};
+use crosscut_stage::NoteCode::{N060, N061};
 use crosscut_stage::{
     Affinity, AffinityStage, Count, Flag, Invariance, Kind, Names, Notes, Number, Params, Revolution, StageError,
     Storage, Verdict, counted,
@@ -188,11 +189,11 @@ impl Passage {
         scan.make(sweep, &revolution.points_m, lengths)?;
         if scan.dust_returns > 0 {
             let dust_returns = counted(scan.dust_returns as u64, "return");
-            notes.add(format!("passage: {dust_returns} in the air (dust, edges of pillars) ignored"));
+            notes.add(N060, format!("passage: {dust_returns} in the air (dust, edges of pillars) ignored"));
         }
         if scan.self_returns > 0 {
             let (inside, inside_m) = (counted(scan.self_returns as u64, "return"), lengths.passage_m / 2.0);
-            notes.add(format!(
+            notes.add(N061, format!(
                 "passage: {inside} within the vehicle, nearer than {inside_m} m (half of affinity.passage_m, which is \
                  vehicle.width_m unless it is set), ignored"
             ));

@@ -9,7 +9,7 @@ use std::collections::VecDeque;
 
 use crosscut_messages::{DecodeError, LaserScan, ScanMessage};
 use crosscut_sensor::{LEARNED_SCANS, Motion, Sensor, View};
-use crosscut_stage::{Notes, Revolution};
+use crosscut_stage::{NoteCode, Notes, Revolution};
 
 use self::segments::Joiner;
 use crate::limits;
@@ -27,7 +27,7 @@ pub(crate) struct Turn {
     /// When its first message was recorded, as far as that can be known.
     pub(crate) recorded_ns: u64,
     /// Why that is another time than the recording states.
-    pub(crate) odd_time: Option<&'static str>,
+    pub(crate) odd_time: Option<(NoteCode, &'static str)>,
     /// Which part of the flight its first message is in.
     pub(crate) part: usize,
     pub(crate) scan: Result<ScanMessage, DecodeError>,
@@ -37,7 +37,7 @@ pub(crate) struct Turn {
     pub(crate) rad_per_beam: f64,
     /// The time from beam to beam, s; 0 if it is not known.
     pub(crate) beam_s: f64,
-    pub(crate) notes: Vec<String>,
+    pub(crate) notes: Notes,
     /// Messages of a joined turn that cannot be decoded: their index in the topic, and why.
     pub(crate) undecodable: Vec<(u64, DecodeError)>,
 }
@@ -72,7 +72,7 @@ impl Turn {
             missing: Vec::new(),
             rad_per_beam: 0.0,
             beam_s: 0.0,
-            notes: Vec::new(),
+            notes: Notes::default(),
             undecodable: Vec::new(),
         }
     }
@@ -190,7 +190,7 @@ impl Turns {
         notes: &mut Notes,
     ) {
         self.view.show(scan, turn.rad_per_beam, motion, sensor, out, notes);
-        notes.extend(turn.notes.iter().cloned());
+        notes.extend(turn.notes.coded().iter().cloned());
         self.view.hide(scan, &turn.missing, sensor, out, notes);
     }
 

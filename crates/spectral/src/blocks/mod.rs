@@ -8,6 +8,7 @@ mod sparse;
 mod split;
 mod twins;
 
+use crosscut_stage::NoteCode::{N071, N072};
 use crosscut_stage::{Affinity, Embedding, Kind, Notes, Number, SpectralStage, Spectrum, StageError};
 
 use crate::degrees::check_degrees;
@@ -99,7 +100,7 @@ impl Decomposed {
                 MOST_BYTES >> 20
             )));
         }
-        notes.add(format!("blocks: a component of {} returns by full decomposition", members.len()));
+        notes.add(N071, format!("blocks: a component of {} returns by full decomposition", members.len()));
         let mut spectrum = Spectrum::default();
         full.spectrum(&part_of(affinity, &members), &mut spectrum, notes)?;
         Ok(Self { block, members, spectrum })
@@ -229,7 +230,7 @@ impl SpectralStage for Blocks {
         let graph = graph.graph(affinity, tolerance)?;
         solver.solve(&graph, weak_link, tolerance)?;
         if solver.split.has_weak_edges() && !solver.several.is_empty() {
-            notes.add("blocks: no edge set aside, as a wall between weak edges is itself almost two");
+            notes.add(N072, "blocks: no edge set aside, as a wall between weak edges is itself almost two");
             solver.solve(&graph, 0.0, tolerance)?;
         }
         let several = solver.several.iter();

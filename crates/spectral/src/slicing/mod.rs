@@ -5,6 +5,7 @@ mod envelope;
 mod krylov;
 mod normalised;
 
+use crosscut_stage::NoteCode::N070;
 use crosscut_stage::{Affinity, Count, Kind, Notes, SpectralStage, Spectrum, StageError, Weights};
 use faer::Mat;
 
@@ -109,7 +110,7 @@ impl Slicing {
                 Ok(None) | Err(StageError::NoConvergence { .. }) => {}
                 Err(error) => return Err(error),
             }
-            notes.add(format!("slicing: {n} connected returns by full decomposition"));
+            notes.add(N070, format!("slicing: {n} connected returns by full decomposition"));
         }
         let mut all = Vec::new();
         full.decompose(l.form(&members).as_ref(), &mut all)?;
