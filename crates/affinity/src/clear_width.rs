@@ -12,9 +12,7 @@
 //! W_ij = 1 between neighbouring returns of one wall, else 0.
 
 use crosscut_scan::{ISLAND_M, Lengths, Ring, Scan, VEHICLE_WIDTH_M};
-use crosscut_stage::{
-    Affinity, AffinityStage, Invariance, Kind, Measured, Notes, Revolution, StageError, Verdict,
-};
+use crosscut_stage::{Affinity, AffinityStage, Invariance, Kind, Measured, Notes, Revolution, StageError, Verdict};
 
 use crate::edges::write_edges;
 

@@ -18,8 +18,8 @@ mod widths;
 use crosscut_scan::{Directions, ISLAND_M, LEAST_WALL_RETURNS, Lengths, LostBeams, Pieces, Scan, VEHICLE_WIDTH_M};
 use crosscut_stage::NoteCode::{N060, N061};
 use crosscut_stage::{
-    Affinity, AffinityStage, Flag, Invariance, Kind, Names, Notes, Number, Params, Revolution, StageError,
-    Verdict, counted,
+    Affinity, AffinityStage, Flag, Invariance, Kind, Names, Notes, Number, Params, Revolution, StageError, Verdict,
+    counted,
 };
 
 use chains::Chains;
