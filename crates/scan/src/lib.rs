@@ -27,6 +27,7 @@ mod direction;
 mod doorway;
 mod dust;
 mod islands;
+mod lengths;
 mod level_view;
 mod lost;
 pub mod mixed;
@@ -41,12 +42,13 @@ pub use closed::is_closed_by_returns;
 pub use direction::{Directions, direction};
 pub use doorway::{DOORWAY_TIMES, Doorway, beyond, lies_across};
 pub use islands::{BEHIND_M, Islands, WIDEST_RAD, faces_dark};
+pub use lengths::{ISLAND_M, Lengths};
 pub use level_view::LevelView;
 pub use lost::LostBeams;
 pub use pieces::{End, LEAST_WALL_RETURNS, Pieces};
 pub use ring::{Position, Return, Ring, turn_rad};
 pub use roughness::Roughness;
-pub use scan::{ISLAND_M, Lengths, Scan};
+pub use scan::Scan;
 pub use vehicle::{VEHICLE_HEIGHT_M, VEHICLE_PARAMS, VEHICLE_WIDTH_M};
 
 /// The median of some values, which are reordered; 0 of none.

@@ -1,7 +1,7 @@
 //! Settings of earlier versions.
 
 /// Settings that are none any more, and what holds in their place.
-pub(super) const RETIRED: [(&str, &str); 15] = [
+pub(super) const RETIRED: [(&str, &str); 16] = [
     ("affinity.passage_m", "use vehicle.width_m"),
     ("affinity.island_m", "use report.island_m"),
     ("affinity.height_m", "use vehicle.height_m"),
@@ -13,6 +13,7 @@ pub(super) const RETIRED: [(&str, &str); 15] = [
     ("affinity.neighbours", "it is 2 returns, fixed"),
     ("spectral.weak_link", "it is 1e-3, fixed"),
     ("spectral.least_weight", "it is 1e-4, fixed"),
+    ("kmeans.tolerance", "clusters are exact: rounds end when no return moves"),
     ("flight.look_ahead", "the steady answer rests on the scans before it"),
     ("flight.odometry_floor_m", "it is 0.005 m, fixed"),
     ("flight.least_look_m", "it is 2.5 times vehicle.width_m, fixed"),
