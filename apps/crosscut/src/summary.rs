@@ -45,16 +45,6 @@ fn gaps(gaps: KnownGaps) -> Option<String> {
         .then(|| format!("gaps: {judged:.1} % judged, {seen:.1} % seen through, {proved:.1} % proved to be closed"))
 }
 
-/// Counts for a history of runs.
-pub(crate) fn figures(summary: &Summary) -> serde_json::Value {
-    let sure = summary.answers().sure;
-    let mut figures = serde_json::json!({"revolutions": summary.revolutions, "noted": summary.noted, "sure": sure});
-    for (walls, answers) in &summary.junctions {
-        figures[format!("{walls} walls")] = answers.revolutions.into();
-    }
-    figures
-}
-
 /// Revolutions by their number of walls.
 pub(crate) fn counts(summary: &Summary) -> Table {
     let share = |part: u64, whole: u64| format!("{:.1} %", 100.0 * part as f64 / whole as f64);

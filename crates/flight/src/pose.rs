@@ -5,7 +5,7 @@ use nalgebra::{Isometry2, Matrix2, Matrix3, Point2, Vector3};
 use crosscut_stage::NoteCode::{self, N090, N091, N092, N093, N094, N095, N096, N097, N098};
 use crosscut_stage::{MotionDoubt, Notes, Number, ParamSpec, Params, PoseDoubt, Revolution, Word, is_finite_pose};
 
-use crate::agreement::{Agreement, Compared, Slip};
+use crate::agreement::{Compared, OdometryAgreement, Slip};
 use crate::gap::Clock;
 use crate::scan_match::NEIGHBOURS_M;
 use crate::{Held, Matched, Motion, ScanMatcher};
@@ -18,13 +18,11 @@ const ODOMETRY_SHARE: Number = Number::new("odometry_share", "", 0.05)
     .to(1.0)
     .doc("standard deviation of the odometry's motion between two revolutions, as a share of it");
 
-const ODOMETRY_FLOOR_M: Number = Number::new("odometry_floor_m", "m", 0.005)
-    .above(0.0)
-    .to(1.0)
-    .doc("added to that standard deviation, and in rad to that of its turn");
+/// Added to the standard deviation of the odometry's motion, m, and to that of its turn, rad.
+const ODOMETRY_FLOOR: f64 = 0.005;
 
 /// Parameters of the pose.
-pub(crate) const POSE_PARAMS: [ParamSpec; 3] = [POSE.spec, ODOMETRY_SHARE.spec, ODOMETRY_FLOOR_M.spec];
+pub(crate) const POSE_PARAMS: [ParamSpec; 2] = [POSE.spec, ODOMETRY_SHARE.spec];
 
 /// A motion farther than this many standard deviations from steady motion, where nothing else predicts it, is noted as a jump.
 const SURPRISING: f64 = 6.0;
@@ -44,9 +42,8 @@ const TREMBLES_RAD: f64 = 0.005;
 pub struct PoseTracker {
     kind: PoseKind,
     odometry_share: f64,
-    odometry_floor_m: f64,
     matcher: ScanMatcher,
-    agreement: Agreement,
+    agreement: OdometryAgreement,
     clock: Clock,
     /// The last odometry, and the pose of its revolution.
     odometry: Option<(Isometry2<f64>, Isometry2<f64>)>,
@@ -87,9 +84,8 @@ impl PoseTracker {
         Self {
             kind,
             odometry_share: params.get(ODOMETRY_SHARE),
-            odometry_floor_m: params.get(ODOMETRY_FLOOR_M),
             matcher: ScanMatcher::default(),
-            agreement: Agreement::default(),
+            agreement: OdometryAgreement::default(),
             clock: Clock::default(),
             odometry: None,
             pose: Isometry2::identity(),
@@ -166,8 +162,8 @@ impl PoseTracker {
     /// The motion since the revolution before, by a step of the odometry from the pose `there`.
     fn motion(&self, there: Isometry2<f64>, step: Isometry2<f64>) -> Motion {
         let (moved_m, turned_rad) = (step.translation.vector.norm(), step.rotation.angle().abs());
-        let deviation_m = self.odometry_floor_m + self.odometry_share * moved_m;
-        let deviation_rad = self.odometry_floor_m + self.odometry_share * turned_rad;
+        let deviation_m = ODOMETRY_FLOOR + self.odometry_share * moved_m;
+        let deviation_rad = ODOMETRY_FLOOR + self.odometry_share * turned_rad;
         let deviations = Vector3::new(deviation_m, deviation_m, deviation_rad);
         let covariance = Matrix3::from_diagonal(&deviations.component_mul(&deviations));
         let step = self.pose.inv_mul(&(there * step));

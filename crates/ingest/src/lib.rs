@@ -70,13 +70,15 @@ mod scanners;
 mod stopping;
 mod stored;
 mod stream;
+mod topic_list;
 mod topics;
 mod truths;
 mod turns;
 
 pub use container::KeptStandardInput;
 pub use convert::{ConvertError, Converted, convert};
-pub use crosscut_sensor::{CSV_PARAMS, CsvGeometry};
+pub use crosscut_sensor::{CSV_PARAMS, CsvGeometry, Sensor};
+pub use crosscut_stage::{Notes, Revolution, Source};
 pub use describe::{Description, ScanDescription, TopicDescription, describe};
 pub use error::IngestError;
 pub use following::Following;
@@ -87,5 +89,10 @@ pub use recording::{ReadOptions, Recording};
 pub use stopping::stop_reading;
 pub use stored::{Stored, StoredMessage};
 pub use stream::{Feed, LiveFeed, StreamEnded};
-pub use topics::{TopicInfo, TopicList};
+pub use topic_list::{TopicInfo, TopicList};
 pub use truths::{Truths, truth_map};
+
+/// The example of the README compiles and runs.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -6,11 +6,10 @@ use std::path::PathBuf;
 use crosscut_messages::{DecodeError, ScanDecoder, ScanMessage};
 
 use crate::clock::{Clock, Times};
-use crate::container::{Container, Message, TopicReader};
-use crate::stream::Wait;
-use crate::topics::TopicInfo;
+use crate::container::{Container, Message, TopicReader, Wait};
+
 use crate::turns::Turn;
-use crate::{Loss, LossKind};
+use crate::{Loss, LossKind, TopicInfo};
 
 /// This many messages are read ahead to find out about the clocks of a recording.
 const READ_AHEAD: usize = 64;

@@ -6,8 +6,7 @@ use crosscut_messages::{DecodeError, ODOMETRY_TOPIC};
 use crosscut_sensor::{Odometry, pose_in};
 use nalgebra::Isometry2;
 
-use crate::container::{self, Container, Contents, Message, TopicReader};
-use crate::stream::Wait;
+use crate::container::{self, Container, Contents, Message, TopicReader, Wait};
 use crate::topics::topics_of;
 use crate::{CsvGeometry, LossKind, TopicInfo};
 
@@ -49,7 +48,7 @@ impl OdometryReader {
         });
         let has_topic = |contents: &&Contents| reader.is_none() && !topic.channels_in(contents).is_empty();
         let files = contents().filter(has_topic).cloned().collect();
-        Some(Self { topic, csv: *csv, files, reader, poses: Odometry::default(), unreadable: None })
+        Some(Self { topic, csv: csv.clone(), files, reader, poses: Odometry::default(), unreadable: None })
     }
 
     /// The poses at the first and last of `stamps_ns`, which are times of a scan that was recorded at `recorded_ns`. Scans are

@@ -10,12 +10,11 @@ use crosscut_sensor::{Before, Motion, Sensor, Turning, times_s};
 use crosscut_stage::NoteCode::{N044, N045};
 use crosscut_stage::{Notes, Revolution, Source, SourceError, counted};
 
-use crate::container::Container;
+use crate::container::{self, Container, Wait};
 use crate::messages::Messages;
 use crate::odometry_reader::OdometryReader;
 use crate::parts::OpenParts;
-use crate::scanners::{Mount, Scanners};
-use crate::stream::Wait;
+use crate::scanners::{Mount, Scanners, Scans};
 use crate::topics::{scan_topic, topics_of};
 use crate::turns::{Turn, Turns};
 use crate::{CsvGeometry, IngestError, Loss, TopicInfo, limits};
@@ -85,7 +84,7 @@ pub struct Recording {
     before: Before,
     turning: Turning,
     /// The other scanners of the vehicle.
-    scanners: Option<Scanners>,
+    scanners: Option<Scanners<Self>>,
     /// How the recording mounts its sensor, until the first scan.
     mount: Option<Mount>,
     /// How long it waits for messages of a stream once it is known what they are.
@@ -108,14 +107,14 @@ impl Recording {
     /// recording, is a loss if others are not.
     pub fn open(inputs: &[PathBuf], options: &ReadOptions, sensor: Sensor) -> Result<Self, IngestError> {
         let OpenParts { containers, losses, left_out } = OpenParts::open(inputs, &options.csv)?;
-        let scanners = Scanners::open(&containers, &losses, options, &sensor)?;
+        let scanners = Self::beside(&containers, &losses, options, &sensor)?;
         let is_single = scanners.is_none();
         let mount = is_single.then(|| Mount::read(&containers, &options.csv, &sensor)).flatten();
         Ok(Self { scanners, mount, left_out, ..Self::of(containers, losses, options, sensor)? })
     }
 
     /// Of a stream: how many messages there will be is not known.
-    pub(crate) fn streamed(self, scanners: Option<Scanners>, mount: Option<Mount>) -> Self {
+    pub(crate) fn streamed(self, scanners: Option<Scanners<Self>>, mount: Option<Mount>) -> Self {
         let topic = TopicInfo { messages: None, ..self.topic };
         Self { scanners, mount, topic, is_stream: true, ..self }
     }
@@ -125,14 +124,31 @@ impl Recording {
         self.is_stream
     }
 
-    /// From now on, revolutions of a stream are waited for up to this time of recording.
-    pub(crate) fn wait(&mut self, wait: Wait) {
-        self.wait = wait;
-    }
-
-    /// Whether there was no revolution in time, rather than no more.
-    pub(crate) fn is_waiting(&self) -> bool {
-        !self.has_ended && self.messages.is_waiting()
+    /// The scanners of the topics beside the first one in the files of `containers`, which lack `losses`; `None` if there are none.
+    ///
+    /// # Errors
+    /// When one of them carries no scans.
+    pub(crate) fn beside(
+        containers: &[Box<dyn Container>],
+        losses: &[Loss],
+        options: &ReadOptions,
+        sensor: &Sensor,
+    ) -> Result<Option<Scanners<Self>>, IngestError> {
+        if options.beside.is_empty() {
+            return Ok(None);
+        }
+        let (csv, read_as) = (&options.csv, options.read_as);
+        let is_stream = containers.iter().any(|container| container.again().is_some());
+        let reopened = || -> Result<Vec<_>, IngestError> {
+            containers.iter().map(|container| container::reopen(&**container, csv)).collect()
+        };
+        let open = |topic: &String| {
+            let options =
+                ReadOptions { topic: Some(topic.clone()), read_as, csv: csv.clone(), ..ReadOptions::default() };
+            Self::of(reopened()?, losses.to_vec(), &options, sensor.clone())
+        };
+        let others = options.beside.iter().map(open).collect::<Result<_, IngestError>>()?;
+        Ok(Some(Scanners::new(others, reopened()?, is_stream)))
     }
 
     /// One scanner of the vehicle.
@@ -402,6 +418,24 @@ impl Recording {
         }
         self.last_log_time_ns = log_time_ns;
         self.starts_at_s.get_or_insert(self.since_first_s);
+    }
+}
+
+impl Scans for Recording {
+    fn topic(&self) -> &str {
+        &self.topic.name
+    }
+
+    fn losses(&self) -> &[Loss] {
+        self.messages.losses()
+    }
+
+    fn wait(&mut self, wait: Wait) {
+        self.wait = wait;
+    }
+
+    fn is_waiting(&self) -> bool {
+        !self.has_ended && self.messages.is_waiting()
     }
 }
 

@@ -1,6 +1,15 @@
 //! The fields of a message in CDR or in the encoding of ROS 1.
 
-use crate::{DecodeError, Endian};
+use crate::DecodeError;
+
+/// Byte order of an encoded message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Endian {
+    /// Least significant byte first; what ROS 2 writes on nearly every machine.
+    Little,
+    /// Most significant byte first.
+    Big,
+}
 
 const CDR_HEADER_BYTES: usize = 4;
 

@@ -66,11 +66,11 @@ mod truth_map;
 
 pub use cloud::{Cloud, NumberType};
 pub use error::DecodeError;
-pub use fields::Fields;
+pub use fields::{Endian, Fields};
 pub use laser_scan::LaserScan;
 #[cfg(feature = "foxglove")]
 pub use markers::MARKERS_SCHEMA_NAME;
-pub use message::{Endian, Message};
+pub use message::Message;
 pub use multi_echo::{Echo, LaserEcho, MultiEchoLaserScan};
 pub use odometry::{Odometry, Pose, PoseWithCovariance, Twist, TwistWithCovariance};
 pub use point_cloud2::{PointCloud2, PointField};

@@ -4,16 +4,9 @@
 use byteorder::{BigEndian, LittleEndian};
 use serde::Serialize;
 
+#[cfg(feature = "encode")]
+use crate::Endian;
 use crate::{DecodeError, Fields};
-
-/// Byte order of an encoded message.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Endian {
-    /// Least significant byte first; what ROS 2 writes on nearly every machine.
-    Little,
-    /// Most significant byte first.
-    Big,
-}
 
 /// A ROS message: its schema, and how it is read and written.
 pub trait Message: Serialize + Default {

@@ -1,6 +1,6 @@
 //! The report stage: walls, then openings, then the name of the place.
 
-use crosscut_scan::VEHICLE_WIDTH_M;
+use crosscut_scan::{ISLAND_M, VEHICLE_WIDTH_M};
 use crosscut_stage::NoteCode::{N080, N081, N082};
 use crosscut_stage::{
     Count, Junction, Notes, Number, ParamSpec, Params, Partition, Revolution, Spectrum, StageError, Sweep, Verdict,
@@ -15,11 +15,6 @@ const MIN_RETURNS: Count = Count::new("min_returns", "returns", 1)
     .from(1)
     .to(1_000_000)
     .doc("clusters with fewer returns are no wall; their returns are labelled -2");
-
-const ISLAND_M: Number = Number::new("island_m", "m", 0.0)
-    .from(0.0)
-    .to(100.0)
-    .doc("a shorter wall in front of what is on both sides of it is an island, not counted; 0: none is");
 
 const OPENINGS: Word = Word::one_of("openings", &["free_space", "between_walls"])
     .doc("where openings are: where the vehicle fits into free space, or wherever one wall ends and another begins");

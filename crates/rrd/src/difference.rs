@@ -9,7 +9,8 @@ use std::iter::Peekable;
 
 use crosscut_stage::Step;
 
-use crate::rows::{Cell, Rows};
+use crate::cell::Cell;
+use crate::rows::Rows;
 use crate::schema::{self, Entity, Precision, When};
 use crate::value::Array;
 use crate::{ReadError, Recording, Row, Value, span};

@@ -26,6 +26,7 @@
 //! Values come out as they are stored: f64 and f32 as such, f16 widened to f32, whole numbers as i64. Pictures of W and
 //! L become numbers by their scale, see [`Row::value`].
 
+mod cell;
 mod difference;
 mod latest;
 pub mod messages;

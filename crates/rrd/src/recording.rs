@@ -8,9 +8,9 @@ use rerun::external::re_build_info::CrateVersion;
 use rerun::external::re_log_types::StoreId;
 use rerun::log::{Chunk, LogMsg};
 
+use crate::cell::{Cell, cells, stamps_ns, times};
 use crate::messages::{Location, Messages, chunk_of};
 use crate::parts::{Marks, files_named_like_parts};
-use crate::rows::{Cell, Rows, cells, stamps_ns, times};
 use crate::schema::{self, Entity};
 use crate::{Damage, ReadError, Value};
 
@@ -200,22 +200,6 @@ impl Recording {
         let components = &self.entities.get(entity)?.components;
         let mut known = Entity::of(entity).into_iter().chain(schema::ENTITIES).map(|entity| entity.values);
         known.find(|name| components.contains_key(*name)).or_else(|| components.keys().next().map(String::as_str))
-    }
-
-    /// The rows of an entity by revolution.
-    ///
-    /// # Errors
-    /// When there is no such entity.
-    pub fn rows(&self, entity: &str) -> Result<Rows<'_>, ReadError> {
-        let Some((name, found)) = self.entities.get_key_value(entity) else {
-            let step = |name: &str| name.split('/').nth(1).unwrap_or_default().to_owned();
-            let mut near: Vec<_> = self.entities.keys().filter(|name| step(name) == step(entity)).cloned().collect();
-            if near.is_empty() {
-                near.extend(self.entities.keys().cloned());
-            }
-            return Err(ReadError::NoSuchEntity { entity: entity.to_owned(), near });
-        };
-        Ok(Rows::new(self, name, found))
     }
 
     /// The resolved configuration as TOML, if it is in the recording.

@@ -3,9 +3,9 @@
 use std::collections::VecDeque;
 use std::fs::File;
 
-use rerun::external::arrow::array::ArrayRef;
 use rerun::log::Chunk;
 
+use crate::cell::{Cell, cells, stamps_ns, times};
 use crate::messages::chunk_at;
 use crate::recording::{ChunkLocation, RecordedEntity, Recording};
 use crate::{ReadError, Value};
@@ -20,15 +20,6 @@ pub struct Row<'a> {
     pub stamp_ns: Option<i64>,
     pub(crate) cells: Vec<Cell>,
     fixed: &'a [Cell],
-}
-
-/// One component of one row, as Rerun holds it.
-#[derive(Clone, Debug)]
-pub(crate) struct Cell {
-    pub(crate) component: String,
-    /// Rerun's name of its type.
-    pub(crate) type_name: String,
-    pub(crate) values: ArrayRef,
 }
 
 impl Row<'_> {
@@ -85,6 +76,24 @@ struct OpenChunk {
     chunk: Chunk,
     /// The rows that are left, by revolution.
     left: VecDeque<usize>,
+}
+
+impl Recording {
+    /// The rows of an entity by revolution.
+    ///
+    /// # Errors
+    /// When there is no such entity.
+    pub fn rows(&self, entity: &str) -> Result<Rows<'_>, ReadError> {
+        let Some((name, found)) = self.entities().get_key_value(entity) else {
+            let step = |name: &str| name.split('/').nth(1).unwrap_or_default().to_owned();
+            let mut near: Vec<_> = self.entities().keys().filter(|name| step(name) == step(entity)).cloned().collect();
+            if near.is_empty() {
+                near.extend(self.entities().keys().cloned());
+            }
+            return Err(ReadError::NoSuchEntity { entity: entity.to_owned(), near });
+        };
+        Ok(Rows::new(self, name, found))
+    }
 }
 
 impl<'a> Rows<'a> {
@@ -148,32 +157,4 @@ impl<'a> Iterator for Rows<'a> {
         }
         Some(Ok(self.row(revolution)))
     }
-}
-
-/// The components of a row of a chunk, by name.
-pub(crate) fn cells(chunk: &Chunk, row: usize) -> Vec<Cell> {
-    let columns = chunk.components().values();
-    let cell = |column: &rerun::SerializedComponentColumn| {
-        let descriptor = &column.descriptor;
-        let values = chunk.component_batch_raw(descriptor.component, row)?.ok()?;
-        let type_name = descriptor.component_type.map_or_else(String::new, |name| name.to_string());
-        Some(Cell { component: descriptor.component.to_string(), type_name, values })
-    };
-    let mut cells: Vec<Cell> = columns.filter_map(cell).collect();
-    cells.sort_by(|a, b| a.component.cmp(&b.component));
-    cells
-}
-
-/// The revolution of each row; empty for values of the whole flight.
-pub(crate) fn times(chunk: &Chunk) -> &[i64] {
-    column(chunk, "revolution")
-}
-
-/// The stamp of each row.
-pub(crate) fn stamps_ns(chunk: &Chunk) -> &[i64] {
-    column(chunk, "stamp")
-}
-
-fn column<'a>(chunk: &'a Chunk, timeline: &'static str) -> &'a [i64] {
-    chunk.timelines().get(&timeline.into()).map_or(&[], rerun::TimeColumn::times_raw)
 }

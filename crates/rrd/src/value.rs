@@ -8,8 +8,8 @@ use rerun::external::arrow::datatypes::{DataType, Float32Type, Float64Type, Int6
 use rerun::external::image;
 use rerun::{Component as _, EncodedDepthImage, Loggable as _, components};
 
+use crate::cell::Cell;
 use crate::messages::caught;
-use crate::rows::Cell;
 
 /// The value of a component at one revolution.
 #[derive(Clone, Debug, PartialEq)]

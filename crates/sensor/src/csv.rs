@@ -24,14 +24,15 @@ const RATE_HZ: Number = Number::new("rate_hz", "1/s", 10.0)
     .to(1e6)
     .doc("tables of ranges: rows a second, if no column holds the time");
 
-const UNIT: Word = Word::one_of("unit", &["auto", "m", "cm", "mm"])
-    .doc("tables of ranges: unit of the ranges; auto takes it from the names of the columns (r0_mm), else metres");
+const COLUMNS: Word = Word::any("columns", "").doc(
+    "tables of ranges: names of the columns, in place of those in the table or where there are none; `*` stands for numbers: `time,r*`, `r*_mm,label`",
+);
 
 /// The `csv` section of the configuration.
-pub const CSV_PARAMS: &[ParamSpec] = &[FIRST_RAD.spec, LAST_RAD.spec, RANGE_MAX_M.spec, RATE_HZ.spec, UNIT.spec];
+pub const CSV_PARAMS: &[ParamSpec] = &[FIRST_RAD.spec, LAST_RAD.spec, RANGE_MAX_M.spec, RATE_HZ.spec, COLUMNS.spec];
 
 /// What a table of ranges does not say of itself.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct CsvGeometry {
     /// Bearing of the first range of a row, in the sensor's frame, anticlockwise.
     pub first_rad: f64,
@@ -41,8 +42,9 @@ pub struct CsvGeometry {
     pub range_max_m: f64,
     /// Rows a second, if no column holds the time.
     pub rate_hz: f64,
-    /// Metres in the unit of the ranges; `None` if the names of the columns, if anything, state it.
-    pub unit_m: Option<f64>,
+    /// Names of the columns between commas, in place of those in the table; empty if the table's are to be taken. A `*` in a name
+    /// stands for the numbers from 0 on that the other columns leave.
+    pub columns: String,
 }
 
 impl CsvGeometry {
@@ -53,12 +55,7 @@ impl CsvGeometry {
             last_rad: params.get(LAST_RAD),
             range_max_m: params.get(RANGE_MAX_M),
             rate_hz: params.get(RATE_HZ),
-            unit_m: match params.get(UNIT).as_str() {
-                "m" => Some(1.0),
-                "cm" => Some(1e-2),
-                "mm" => Some(1e-3),
-                _ => None,
-            },
+            columns: params.get(COLUMNS),
         }
     }
 

@@ -29,7 +29,6 @@ mod partition;
 mod pose_doubt;
 mod revolution;
 mod spectrum;
-mod storage;
 mod traits;
 mod unsure;
 
@@ -43,13 +42,12 @@ pub use junction::{Evidence, Junction, Opening, Place, SURE, Wall, junction_of};
 pub use kind::{AffinityProperties, Eigenvalues, Kind, SpectralProperties, StageKind};
 pub use known::{Known, KnownGaps};
 pub use notes::{NOTES_PAGE, NoteCode, Notes, counted};
-pub use param::{Count, Flag, Follows, Interval, Names, Number, Pairs, Param, ParamSpec, Shape, Word};
+pub use param::{Count, Flag, Interval, Names, Number, Pairs, Param, ParamSpec, Shape, Word};
 pub use params::{ParamError, ParamErrorKind, ParamValue, Params, Value};
 pub use partition::Partition;
 pub use pose_doubt::{MotionDoubt, PoseDoubt};
 pub use revolution::{Beam, Fan, Revolution, Sweep, View, is_finite_pose, unit, widest_run, wrap_angle_rad};
 pub use spectrum::Spectrum;
-pub use storage::Storage;
 pub use traits::{AffinityStage, KmeansStage, Observer, ObserverError, Source, SourceError, SpectralStage, StageError};
 pub use unsure::Unsure;
 

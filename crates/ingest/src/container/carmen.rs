@@ -24,7 +24,7 @@ const ODOMETRY: ChannelId = LASERS.len() as ChannelId;
 const LEAST_AT_LIMIT: u64 = 10;
 
 /// Whether a text is a log.
-pub(crate) fn is_log(start: &str) -> bool {
+pub(super) fn is_log(start: &str) -> bool {
     start.lines().filter_map(|line| line.split_whitespace().next()).any(|word| WORDS.contains(&word))
 }
 

@@ -1,4 +1,5 @@
-//! What is in a file: its topics, how many messages each has, when they were recorded, and whether the file is whole.
+//! A file of a flight as its readers see it: its topics, how many messages each has, when they were recorded, whether it is
+//! whole, and its messages in order.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -92,4 +93,77 @@ impl Contents {
         let counts = self.counts.as_ref()?;
         Some(channels.iter().fold(0, |sum: u64, id| sum.saturating_add(counts.get(id).copied().unwrap_or(0))))
     }
+}
+
+/// One file of a flight that was opened and looked through.
+pub(crate) trait Container: Send {
+    /// What is in it.
+    fn contents(&self) -> &Contents;
+
+    /// What is in it, to be completed by whoever opened it.
+    fn contents_mut(&mut self) -> &mut Contents;
+
+    /// From now on, [`next`](Self::next) gives the messages of these channels, from the first. The file stays closed
+    /// until then: a flight may have more parts than a process may have files open.
+    fn select(&mut self, channels: &BTreeSet<ChannelId>);
+
+    /// Another reader of the same stream; `None` if this is a file, which can be opened again.
+    fn again(&self) -> Option<Box<dyn Container>> {
+        None
+    }
+
+    /// How long [`next`](Self::next) waits for messages of a stream from now on. Those of a file are there.
+    fn wait(&mut self, _: Wait) {}
+
+    /// Whether [`next`](Self::next) gave nothing because it did not come in time, rather than because there is no more.
+    fn is_waiting(&self) -> bool {
+        false
+    }
+
+    /// Why a stream can no longer be read, if that ended it.
+    fn failure(&self) -> Option<String> {
+        None
+    }
+
+    /// Messages that wait for those before them may take this much memory; what exceeds it is lost.
+    fn limit_waiting(&mut self, _: u64) {}
+
+    /// The next message of the selected channels; give it back by [`recycle`](Self::recycle).
+    fn next(&mut self) -> Option<Message>;
+
+    /// Takes back the buffer of a message.
+    fn recycle(&mut self, message: Message);
+
+    /// Whether messages come by log time, ties in file order; otherwise they come in file order.
+    fn is_by_log_time(&self) -> bool;
+
+    /// How many messages of the selected channels were lost since the last call, as far as that is known.
+    fn take_skipped(&mut self) -> u64;
+
+    /// What was lost since the last call, beside what [`contents`](Self::contents) says.
+    fn take_losses(&mut self) -> Vec<Loss>;
+}
+
+/// A message as it was recorded.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Message {
+    pub(crate) channel: ChannelId,
+    pub(crate) log_time_ns: u64,
+    pub(crate) data: Vec<u8>,
+    /// Why there is no data, if it could not be read.
+    pub(crate) damage: Option<String>,
+}
+
+/// How long a reader waits for its next message.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Wait {
+    /// Until it comes, or there are no more.
+    #[default]
+    Always,
+    /// As long as what the first messages show is being learned.
+    Learning,
+    /// Until the stream is past this time of recording.
+    Recorded(u64),
+    /// Not at all.
+    Never,
 }

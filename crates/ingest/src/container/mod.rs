@@ -20,7 +20,6 @@ mod survey;
 mod table;
 mod topic_reader;
 
-use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{Read, Seek};
 use std::path::Path;
@@ -33,7 +32,7 @@ use self::rosbag2::Rosbag2;
 use self::single_cloud::{Format, SingleCloud};
 use self::spool::{Compression, Spooled};
 use self::table::Table;
-use crate::stream::Wait;
+use crate::found::ROS1_BAG_MAGIC;
 use crate::{CsvGeometry, Found, IngestError, Loss, LossKind};
 
 pub(crate) use self::chunked::Visitor;
@@ -42,10 +41,7 @@ pub use self::spool::KeptStandardInput;
 pub(crate) use self::spool::{Plain, keep_standard_input};
 pub(crate) use self::standard_input::StandardInput;
 
-pub(crate) use self::bag::MAGIC as ROS1_BAG_MAGIC;
-pub(crate) use self::carmen::is_log as is_carmen_log;
-pub(crate) use self::contents::{ChannelId, Contents, Topic};
-pub(crate) use self::table::Dialect;
+pub(crate) use self::contents::{ChannelId, Container, Contents, Message, Topic, Wait};
 pub(crate) use self::topic_reader::TopicReader;
 
 /// This many bytes at the start of a file tell what it is.
@@ -53,65 +49,6 @@ const SNIFFED_BYTES: u64 = 4096;
 
 /// What stands for standard input among paths.
 const STANDARD_INPUT: &str = "-";
-
-/// One file of a flight that was opened and looked through.
-pub(crate) trait Container: Send {
-    /// What is in it.
-    fn contents(&self) -> &Contents;
-
-    /// What is in it, to be completed by whoever opened it.
-    fn contents_mut(&mut self) -> &mut Contents;
-
-    /// From now on, [`next`](Self::next) gives the messages of these channels, from the first. The file stays closed
-    /// until then: a flight may have more parts than a process may have files open.
-    fn select(&mut self, channels: &BTreeSet<ChannelId>);
-
-    /// Another reader of the same stream; `None` if this is a file, which can be opened again.
-    fn again(&self) -> Option<Box<dyn Container>> {
-        None
-    }
-
-    /// How long [`next`](Self::next) waits for messages of a stream from now on. Those of a file are there.
-    fn wait(&mut self, _: Wait) {}
-
-    /// Whether [`next`](Self::next) gave nothing because it did not come in time, rather than because there is no more.
-    fn is_waiting(&self) -> bool {
-        false
-    }
-
-    /// Why a stream can no longer be read, if that ended it.
-    fn failure(&self) -> Option<String> {
-        None
-    }
-
-    /// Messages that wait for those before them may take this much memory; what exceeds it is lost.
-    fn limit_waiting(&mut self, _: u64) {}
-
-    /// The next message of the selected channels; give it back by [`recycle`](Self::recycle).
-    fn next(&mut self) -> Option<Message>;
-
-    /// Takes back the buffer of a message.
-    fn recycle(&mut self, message: Message);
-
-    /// Whether messages come by log time, ties in file order; otherwise they come in file order.
-    fn is_by_log_time(&self) -> bool;
-
-    /// How many messages of the selected channels were lost since the last call, as far as that is known.
-    fn take_skipped(&mut self) -> u64;
-
-    /// What was lost since the last call, beside what [`contents`](Self::contents) says.
-    fn take_losses(&mut self) -> Vec<Loss>;
-}
-
-/// A message as it was recorded.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Message {
-    pub(crate) channel: ChannelId,
-    pub(crate) log_time_ns: u64,
-    pub(crate) data: Vec<u8>,
-    /// Why there is no data, if it could not be read.
-    pub(crate) damage: Option<String>,
-}
 
 /// Opens a file and looks through it; `-` is standard input.
 ///
@@ -152,11 +89,6 @@ pub(crate) fn reopen_file(contents: &Contents, csv: &CsvGeometry) -> Result<Box<
     open_plain(path, &on_disk, file, &start, csv)
 }
 
-/// Whether a file that begins with `start` is compressed as a whole, in a way that is decompressed here.
-pub(crate) fn is_compressed(start: &[u8]) -> bool {
-    Compression::of(start).is_some()
-}
-
 /// Opens a temporary copy of `path`.
 fn open_spooled(
     path: &Path,
@@ -167,6 +99,9 @@ fn open_spooled(
     let name = temporary.to_path_buf();
     let mut file = RestingFile::temporary(Arc::clone(&temporary));
     let start = start_of(&mut file).map_err(failed)?;
+    if Compression::of(&start).is_some() {
+        return Err(IngestError::NotRecording { path: path.to_owned(), found: Found::CompressedTwice });
+    }
     let mut container = open_plain(path, &name, file, &start, csv)?;
     let contents = container.contents_mut();
     contents.temporary = Some(temporary);
@@ -196,16 +131,18 @@ fn open_plain(
     };
     if start.starts_with(::mcap::MAGIC) {
         Ok(Box::new(mcap::open(path, file).map_err(failed)?))
-    } else if start.starts_with(bag::MAGIC) {
+    } else if start.starts_with(ROS1_BAG_MAGIC) {
         Ok(Box::new(bag::open(path, file).map_err(failed)?))
     } else if start.starts_with(sqlite::MAGIC) {
         let bag = Rosbag2::open(path, on_disk, file).map_err(unreadable)?;
         Ok(Box::new(bag.ok_or_else(|| no_recording(Found::Sqlite))?))
     } else {
         match Found::in_file(start) {
-            Found::Carmen => Ok(Box::new(Lines::open(path, file, Carmen::default()).map_err(failed)?)),
-            Found::Table => {
-                let table = Table::look(path, &mut file, *csv)?;
+            Found::Text | Found::Unknown(_) if carmen::is_log(&String::from_utf8_lossy(start)) => {
+                Ok(Box::new(Lines::open(path, file, Carmen::default()).map_err(failed)?))
+            }
+            Found::Text => {
+                let table = Table::look(path, &mut file, csv)?;
                 Ok(Box::new(Lines::open(path, file, table).map_err(failed)?))
             }
             Found::Pcd => Ok(Box::new(SingleCloud::open(path, file, Format::Pcd).map_err(unreadable)?)),

@@ -6,8 +6,7 @@ use std::mem;
 
 use crosscut_messages::CDR_ENCODING;
 
-use super::{ChannelId, Container, Contents, Message};
-use crate::stream::Wait;
+use super::{ChannelId, Container, Contents, Message, Wait};
 use crate::{Loss, LossKind, limits};
 
 /// The first bytes of what is compressed with zstd.

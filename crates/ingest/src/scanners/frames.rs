@@ -6,8 +6,7 @@ use crosscut_messages::ros::{self, plain_frame};
 use crosscut_messages::{TfMessage, TransformStamped};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 
-use crate::container::{ChannelId, Container, TopicReader};
-use crate::stream::Wait;
+use crate::container::{ChannelId, Container, TopicReader, Wait};
 
 /// A transform that moves holds for this long before the first and after the last time that it was sent.
 const LONGEST_NS: u64 = 1_000_000_000;

@@ -8,17 +8,15 @@ mod frames;
 mod mount;
 mod same_frame;
 
-use crosscut_sensor::Sensor;
 use crosscut_stage::NoteCode::{N050, N051, N052, N053, N054, N055, N056};
-use crosscut_stage::{Notes, Revolution, Source as _, counted};
+use crosscut_stage::{Notes, Revolution, Source, counted};
 
 use self::around::Around;
 use self::frames::Frames;
 pub(crate) use self::mount::Mount;
 use self::same_frame::Agreement;
-use crate::container::{self, Container};
-use crate::stream::Wait;
-use crate::{IngestError, Loss, ReadOptions, Recording};
+use crate::Loss;
+use crate::container::{Container, Wait};
 
 /// Scans of two scanners whose stamps are further apart than this are of different revolutions.
 const FARTHEST_NS: u64 = 100_000_000;
@@ -26,17 +24,27 @@ const FARTHEST_NS: u64 = 100_000_000;
 /// The scan of another scanner that belongs to one of the first is recorded at most this long after it.
 const AHEAD_NS: u64 = 1_000_000_000;
 
+/// The scans of one topic, as another scanner is read.
+pub(crate) trait Scans: Source {
+    fn topic(&self) -> &str;
+    fn losses(&self) -> &[Loss];
+    /// From now on, revolutions of a stream are waited for up to this time of recording.
+    fn wait(&mut self, wait: Wait);
+    /// Whether there was no revolution in time, rather than no more.
+    fn is_waiting(&self) -> bool;
+}
+
 /// The scanners beside the first one.
-pub(crate) struct Scanners {
-    others: Vec<Scanner>,
+pub(crate) struct Scanners<S> {
+    others: Vec<Scanner<S>>,
     frames: Frames,
     around: Around,
     joined: Revolution,
 }
 
 /// One scanner, and its scans around the time of the last revolution.
-struct Scanner {
-    recording: Recording,
+struct Scanner<S> {
+    scans: S,
     before: Option<Revolution>,
     after: Option<Revolution>,
     /// A place for the next one.
@@ -46,39 +54,24 @@ struct Scanner {
     agreement: Agreement,
 }
 
-impl Scanners {
-    /// Opens the topics beside the first one in the files of `containers`, which lack `losses`; `None` if there are none.
-    ///
-    /// # Errors
-    /// When one of them carries no scans.
-    pub(crate) fn open(
-        containers: &[Box<dyn Container>],
-        losses: &[Loss],
-        options: &ReadOptions,
-        sensor: &Sensor,
-    ) -> Result<Option<Self>, IngestError> {
-        if options.beside.is_empty() {
-            return Ok(None);
-        }
-        let (csv, read_as) = (options.csv, options.read_as);
-        let is_stream = containers.iter().any(|container| container.again().is_some());
-        let reopened = || -> Result<Vec<_>, IngestError> {
-            containers.iter().map(|container| container::reopen(&**container, &csv)).collect()
+impl<S: Scans> Scanners<S> {
+    /// Of the scans of the other topics; the transforms are in the files of `containers`.
+    pub(crate) fn new(others: Vec<S>, containers: Vec<Box<dyn Container>>, is_stream: bool) -> Self {
+        let scanner = |scans| Scanner {
+            scans,
+            before: None,
+            after: None,
+            spare: None,
+            has_ended: false,
+            agreement: Agreement::default(),
         };
-        let open = |topic: &String| {
-            let options = ReadOptions { topic: Some(topic.clone()), read_as, csv, ..ReadOptions::default() };
-            let recording = Recording::of(reopened()?, losses.to_vec(), &options, sensor.clone())?;
-            let agreement = Agreement::default();
-            Ok(Scanner { recording, before: None, after: None, spare: None, has_ended: false, agreement })
-        };
-        let others = options.beside.iter().map(open).collect::<Result<_, IngestError>>()?;
-        let frames = Frames::read(reopened()?, is_stream);
-        Ok(Some(Self { others, frames, around: Around::default(), joined: Revolution::default() }))
+        let (others, frames) = (others.into_iter().map(scanner).collect(), Frames::read(containers, is_stream));
+        Self { others, frames, around: Around::default(), joined: Revolution::default() }
     }
 
     /// What was lost of the other topics.
     pub(crate) fn losses(&self) -> impl Iterator<Item = &Loss> {
-        self.others.iter().flat_map(|scanner| scanner.recording.losses())
+        self.others.iter().flat_map(|scanner| scanner.scans.losses())
     }
 
     /// Joins the other scanners to `first`, a scan of the first one that was recorded at `recorded_ns`. Notes say what was joined,
@@ -87,7 +80,7 @@ impl Scanners {
         let stamp_ns = first.stamp_ns;
         let Self { others, frames, around, joined } = self;
         for scanner in &mut *others {
-            scanner.recording.wait(Wait::Recorded(recorded_ns.saturating_add(AHEAD_NS)));
+            scanner.scans.wait(Wait::Recorded(recorded_ns.saturating_add(AHEAD_NS)));
             scanner.read_to(stamp_ns);
             if let Some(seen) = scanner.nearest(stamp_ns).filter(|seen| seen.frame_id == first.frame_id).cloned() {
                 scanner.agreement.compare(first, &seen);
@@ -96,7 +89,7 @@ impl Scanners {
         frames.read_on();
         let mut near = Vec::new();
         for scanner in others.iter() {
-            let topic = scanner.recording.topic();
+            let topic = scanner.scans.topic();
             match scanner.nearest(stamp_ns) {
                 None => notes.add(N050, format!("{topic} is not joined: it has no scan within 0.1 s")),
                 Some(seen) if frames.common(&[&first.frame_id, &seen.frame_id]).is_none() => notes.add(N051, format!(
@@ -141,14 +134,14 @@ impl Scanners {
     }
 }
 
-impl Scanner {
+impl<S: Scans> Scanner<S> {
     /// Reads on until a scan is later than `stamp_ns`.
     fn read_to(&mut self, stamp_ns: u64) {
         while !self.has_ended && self.after.as_ref().is_none_or(|after| after.stamp_ns <= stamp_ns) {
             let mut next = self.spare.take().unwrap_or_default();
             // A topic that cannot be read on has ended; its losses say why.
-            let is_read = matches!(self.recording.next(&mut next, &mut Notes::default()), Ok(true));
-            if !is_read && self.recording.is_waiting() {
+            let is_read = matches!(self.scans.next(&mut next, &mut Notes::default()), Ok(true));
+            if !is_read && self.scans.is_waiting() {
                 self.spare = Some(next);
                 return;
             }

@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{SystemTime, UNIX_EPOCH};
 
 use crossbeam_channel::{Receiver, SendError, Sender, TrySendError, bounded};
 use crosscut_messages::{CDR_ENCODING, ScanType};
 
-use super::{LiveFeed, info, now_ns};
-use crate::Loss;
 use crate::container::{ChannelId, Topic, Visitor};
+use crate::{Loss, TopicInfo};
 
 /// This many messages wait to be taken.
 pub(super) const MOST_WAITING: usize = 64;
@@ -163,4 +163,20 @@ impl Visitor for Feeding<'_> {
             self.is_wanted &= self.feed.sender.send(arrival).is_ok();
         }
     }
+}
+
+/// What the messages of a live robot come out of; see [`Feed::of_robot`].
+pub struct LiveFeed {
+    pub(super) arrivals: Receiver<Arrival>,
+    pub(super) missing: Arc<Mutex<Missing>>,
+}
+
+/// Now, nanoseconds since the epoch.
+pub(super) fn now_ns() -> u64 {
+    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos() as u64)
+}
+
+pub(super) fn info(topic: &Topic) -> TopicInfo {
+    let Topic { name, type_name, encoding, schema_encoding } = topic.clone();
+    TopicInfo { name, type_name, encoding, schema_encoding, messages: None }
 }

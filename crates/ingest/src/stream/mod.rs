@@ -7,78 +7,20 @@
 
 mod feed;
 mod files;
+mod queues;
 mod reader;
 mod standard_input;
 
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+use std::sync::{Arc, Mutex};
 
-use crossbeam_channel::{Receiver, RecvTimeoutError};
 use crosscut_sensor::Sensor;
 
-use self::feed::{Arrival, Missing};
-pub use self::feed::{Feed, StreamEnded};
+pub use self::feed::{Feed, LiveFeed, StreamEnded};
+use self::queues::{Stream, lock};
 use self::reader::Streamed;
-use crate::container::{ChannelId, Contents, Message, Topic};
-use crate::scanners::{Mount, Scanners};
-use crate::topics::{is_same_name, scan_topic, topics_of};
-use crate::{Damage, Following, IngestError, Loss, LossKind, ReadOptions, Recording, TopicInfo};
-
-/// So long after the first scan, what is not learned by then is done without: nobody waits longer for the first answer.
-const LEARNING: Duration = Duration::from_secs(1);
-/// This many messages of a topic of scans show which topics there are.
-const FIRST_SCANS: u64 = 100;
-/// A scan of a live robot waits so long for odometry, and for the scans of other scanners.
-const LIVE_WAIT_NS: u64 = 200_000_000;
-/// Between two looks whether waiting is over.
-const INTERVAL: Duration = Duration::from_millis(50);
-
-/// How long a reader waits for its next message.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Wait {
-    /// Until it comes, or there are no more.
-    #[default]
-    Always,
-    /// As long as what the first messages show is being learned.
-    Learning,
-    /// Until the stream is past this time of recording.
-    Recorded(u64),
-    /// Not at all.
-    Never,
-}
-
-/// The end of a stream where its messages come out.
-struct Stream {
-    path: PathBuf,
-    arrivals: Receiver<Arrival>,
-    following: Following,
-    is_live: bool,
-    topics: BTreeMap<Arc<Topic>, ChannelId>,
-    /// How many messages of each topic came.
-    seen: BTreeMap<ChannelId, u64>,
-    /// All messages so far, until it is known which are read.
-    history: Option<Vec<Message>>,
-    queues: Vec<Queue>,
-    /// Of the messages that wait, and how many may.
-    bytes: u64,
-    most_bytes: u64,
-    /// The latest time of recording.
-    latest_ns: u64,
-    first_scan_at: Option<Instant>,
-    has_ended: bool,
-    missing: Arc<Mutex<Missing>>,
-    losses: Vec<Loss>,
-    failure: Option<String>,
-}
-
-/// The messages of one reader.
-#[derive(Default)]
-struct Queue {
-    channels: BTreeSet<ChannelId>,
-    messages: VecDeque<Message>,
-}
+use crate::scanners::Mount;
+use crate::{Following, IngestError, ReadOptions, Recording};
 
 impl Recording {
     /// Opens files that are still being written, or a folder in which files appear: MCAPs, one after the other. It is waited for
@@ -136,190 +78,11 @@ impl Recording {
         stream.wait_for_topics(options)?;
         let stream = Arc::new(Mutex::new(stream));
         let containers = vec![Streamed::boxed(&stream)];
-        let scanners = Scanners::open(&containers, &[], options, sensor)?;
+        let scanners = Recording::beside(&containers, &[], options, sensor)?;
         let is_single = scanners.is_none();
         let mount = is_single.then(|| Mount::read(&containers, &options.csv, sensor)).flatten();
         let recording = Self::of(containers, Vec::new(), options, sensor.clone())?;
         lock(&stream).history = None;
         Ok(recording.streamed(scanners, mount))
     }
-}
-
-/// What the messages of a live robot come out of; see [`Feed::of_robot`].
-pub struct LiveFeed {
-    arrivals: Receiver<Arrival>,
-    missing: Arc<Mutex<Missing>>,
-}
-
-impl Stream {
-    fn new(path: PathBuf, arrivals: Receiver<Arrival>, following: &Following, is_live: bool) -> Self {
-        Self {
-            path,
-            arrivals,
-            following: following.clone(),
-            is_live,
-            topics: BTreeMap::new(),
-            seen: BTreeMap::new(),
-            history: Some(Vec::new()),
-            queues: Vec::new(),
-            bytes: 0,
-            most_bytes: 0,
-            latest_ns: 0,
-            first_scan_at: None,
-            has_ended: false,
-            missing: Arc::default(),
-            losses: Vec::new(),
-            failure: None,
-        }
-    }
-
-    /// What is known of it so far. Topics of scans without a message are counted as such: they may stay silent.
-    fn contents(&self) -> Contents {
-        let channels: BTreeMap<ChannelId, Topic> =
-            self.topics.iter().map(|(topic, &id)| (id, (**topic).clone())).collect();
-        let is_other = |id: &ChannelId| channels.get(id).is_none_or(|topic| !info(topic).has_scans());
-        let count = |id: &ChannelId| self.seen.get(id).copied().unwrap_or(0).max(u64::from(is_other(id)));
-        let counts = channels.keys().map(|id| (*id, count(id))).collect();
-        Contents { path: self.path.clone(), format: "stream", channels, counts: Some(counts), ..Contents::default() }
-    }
-
-    /// Waits until it is known which topics there are: for a while after the first scan.
-    fn wait_for_topics(&mut self, options: &ReadOptions) -> Result<(), IngestError> {
-        let mut known = 0;
-        loop {
-            if self.topics.len() != known || self.has_ended {
-                known = self.topics.len();
-                let topics = topics_of(std::iter::once(&self.contents()));
-                match scan_topic(topics, options.topic.as_deref(), options.read_as) {
-                    Err(error) if self.has_ended => return Err(self.because(error)),
-                    Err(error @ IngestError::NotAScanTopic { .. }) => return Err(error),
-                    _ => {}
-                }
-            }
-            let scans = self.topics.iter().filter(|(topic, _)| {
-                let is_wanted = options.topic.as_ref().is_none_or(|name| is_same_name(name, &topic.name));
-                is_wanted && info(topic).decoder(options.read_as).is_some()
-            });
-            let first = scans.filter_map(|(_, id)| self.seen.get(id)).copied().max().unwrap_or(0);
-            if first > 0 {
-                self.first_scan_at.get_or_insert_with(Instant::now);
-            }
-            let until = self.first_scan_at.map(|at| at + LEARNING);
-            let is_known = first >= FIRST_SCANS || self.bytes >= self.most_bytes;
-            if self.has_ended || (first > 0 && is_known) || until.is_some_and(|until| until <= Instant::now()) {
-                return Ok(());
-            }
-            self.receive(until);
-        }
-    }
-
-    /// Why there is nothing to read, once the stream has ended: rather what was lost than what is not there.
-    fn because(&mut self, error: IngestError) -> IngestError {
-        if let Some(cause) = self.failure.take() {
-            return IngestError::NotHeard { path: self.path.clone(), cause };
-        }
-        if self.topics.is_empty() { IngestError::NothingReadable { losses: self.all_losses() } } else { error }
-    }
-
-    /// Takes the next message, if it comes by then; `None` waits as long as it takes.
-    fn receive(&mut self, until: Option<Instant>) {
-        while !self.has_ended {
-            if self.following.is_over() {
-                let waiting: Vec<Arrival> = self.arrivals.try_iter().take(feed::MOST_WAITING).collect();
-                waiting.into_iter().for_each(|arrival| self.take(arrival));
-                self.has_ended = true;
-                return;
-            }
-            let left = until.map_or(INTERVAL, |until| until.saturating_duration_since(Instant::now()));
-            match self.arrivals.recv_timeout(left.min(INTERVAL)) {
-                Ok(arrival) => return self.take(arrival),
-                Err(RecvTimeoutError::Disconnected) => self.has_ended = true,
-                Err(RecvTimeoutError::Timeout) if left.is_zero() => return,
-                Err(RecvTimeoutError::Timeout) => {}
-            }
-        }
-    }
-
-    fn take(&mut self, arrival: Arrival) {
-        match arrival {
-            Arrival::Topic(topic) => {
-                self.channel(&topic);
-            }
-            Arrival::Message { topic, log_time_ns, data } => {
-                let channel = self.channel(&topic);
-                *self.seen.entry(channel).or_default() += 1;
-                self.latest_ns = self.latest_ns.max(log_time_ns);
-                self.queue(Message { channel, log_time_ns, data, damage: None });
-            }
-            Arrival::Lost(loss) => self.losses.push(loss),
-            Arrival::Failed(why) => {
-                self.failure = Some(why);
-                self.has_ended = true;
-            }
-        }
-    }
-
-    fn channel(&mut self, topic: &Arc<Topic>) -> ChannelId {
-        let next = self.topics.len() as ChannelId;
-        *self.topics.entry(Arc::clone(topic)).or_insert(next)
-    }
-
-    /// Gives a message to all who read its topic.
-    fn queue(&mut self, message: Message) {
-        let bytes = message.data.len() as u64;
-        let wanted = self.queues.iter_mut().filter(|queue| queue.channels.contains(&message.channel));
-        let mut wanted: Vec<&mut Queue> = wanted.collect();
-        if self.history.is_none() && wanted.is_empty() {
-            return;
-        }
-        if self.bytes.saturating_add(bytes) > self.most_bytes && self.history.is_none() {
-            let damage = Damage::TooLarge { bytes: self.bytes + bytes, limit: self.most_bytes };
-            let is_known = |loss: &Loss| matches!(&loss.kind, LossKind::Part { damage: Damage::TooLarge { .. }, .. });
-            if !self.losses.iter().any(is_known) {
-                let kind = LossKind::Part { at_byte: 0, scans: None, damage };
-                self.losses.push(Loss { file: self.path.clone(), kind });
-            }
-            return;
-        }
-        if let Some(history) = &mut self.history {
-            self.bytes += bytes;
-            history.push(message);
-        } else if let Some(last) = wanted.pop() {
-            self.bytes += bytes * (1 + wanted.len() as u64);
-            wanted.into_iter().for_each(|queue| queue.messages.push_back(message.clone()));
-            last.messages.push_back(message);
-        }
-    }
-
-    /// All that was lost, once it has ended.
-    fn all_losses(&mut self) -> Vec<Loss> {
-        let mut losses = std::mem::take(&mut self.losses);
-        if self.has_ended {
-            let missing = std::mem::take(&mut *self.missing.lock().unwrap_or_else(PoisonError::into_inner));
-            let on_the_way = missing.on_the_way.into_iter().map(|(topic, count)| LossKind::NotArrived { topic, count });
-            let left_out = missing.left_out.into_iter().map(|(topic, count)| LossKind::TooLate { topic, count });
-            losses.extend(on_the_way.chain(left_out).map(|kind| Loss { file: self.path.clone(), kind }));
-        }
-        losses
-    }
-
-    /// Whether nothing that was recorded by `recorded_ns` is still to come. A robot may have fallen silent: its stream is past a
-    /// time when that is a while ago.
-    fn is_past(&self, recorded_ns: u64) -> bool {
-        self.latest_ns > recorded_ns || (self.is_live && now_ns() > recorded_ns)
-    }
-}
-
-/// Now, nanoseconds since the epoch.
-fn now_ns() -> u64 {
-    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos() as u64)
-}
-
-fn lock(stream: &Mutex<Stream>) -> MutexGuard<'_, Stream> {
-    stream.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-fn info(topic: &Topic) -> TopicInfo {
-    let Topic { name, type_name, encoding, schema_encoding } = topic.clone();
-    TopicInfo { name, type_name, encoding, schema_encoding, messages: None }
 }

@@ -4,8 +4,10 @@ use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use super::{LEARNING, LIVE_WAIT_NS, Queue, Stream, Wait, lock, now_ns};
+use super::feed::now_ns;
+use super::queues::{LEARNING, LIVE_WAIT_NS, Queue, Stream, lock};
 use crate::Loss;
+use crate::container::Wait;
 use crate::container::{ChannelId, Container, Contents, Message};
 
 /// One reader; all of a stream share it.

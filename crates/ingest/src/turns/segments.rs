@@ -7,7 +7,7 @@ use crosscut_messages::{LaserScan, ScanMessage};
 use crosscut_stage::NoteCode::{N046, N047, N048, N059};
 use crosscut_stage::counted;
 
-use super::Turn;
+use super::turn::Turn;
 
 /// Fewer messages do not show what a driver does.
 const LEAST_MESSAGES: usize = 6;

@@ -15,6 +15,7 @@ mod recording;
 mod scanners;
 mod single_clouds;
 mod streams;
+mod tables;
 mod times;
 mod truths;
 mod turning;

@@ -181,8 +181,8 @@ fn files_of_other_kinds_are_named() {
         Err(IngestError::NotRecording { found, .. }) => found,
         other => panic!("{:?}", other.err()),
     };
-    assert_eq!(found("a.bag", b"#ROSRECORD V1.2\n..."), Found::OldRosBag);
-    assert_eq!(found("a.rrd", b"RRF2...."), Found::Rerun);
+    assert!(found("a.bag", b"#ROSRECORD V1.2\n...").to_string().contains("rosbag fix"));
+    assert!(found("a.rrd", b"RRF2....").to_string().contains("Rerun"));
     assert_eq!(found("a.mcap", b""), Found::Empty);
     #[cfg(unix)]
     assert!(matches!(open(std::path::Path::new("/dev/null")), Err(IngestError::NotAFile { .. })));

@@ -52,10 +52,6 @@ impl SpectralStage for Failing {
         out.eigenvalues = vec![a.degrees[0]];
         Ok(())
     }
-
-    fn memory_bytes(&self, n: usize, _: usize) -> u64 {
-        8 * (n * n) as u64
-    }
 }
 
 impl KmeansStage for Failing {

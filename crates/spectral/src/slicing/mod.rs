@@ -11,7 +11,6 @@ use faer::Mat;
 
 use crate::decomposition::Decomposition;
 use crate::embedding::sign_of_largest;
-use crate::laplacian::dense_bytes;
 use crate::zeros::{ZERO_TOLERANCE, count_zeros};
 use connected::Unseen;
 use envelope::Envelope;
@@ -151,12 +150,6 @@ impl SpectralStage for Slicing {
             }
         }
         self.assemble(&parts, affinity.degrees.len(), out)
-    }
-
-    fn memory_bytes(&self, n: usize, _: usize) -> u64 {
-        // A copy of W if it is sparse, the factor of L, and at worst L and what a full decomposition takes; the rest is
-        // a few columns.
-        dense_bytes(n).saturating_mul(3).saturating_add(Decomposition::memory_bytes(n))
     }
 }
 

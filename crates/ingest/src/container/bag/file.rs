@@ -3,7 +3,6 @@
 use std::collections::BTreeSet;
 use std::io::{self, BufReader, Read as _, Seek as _, SeekFrom};
 
-use super::MAGIC;
 use super::chunk::{visit_chunk, visit_record};
 use super::index::Index;
 use super::records::{Head, op};
@@ -11,6 +10,7 @@ use crate::Damage;
 use crate::container::ChannelId;
 use crate::container::chunked::{ChunkPlace, ChunkedFile, Progress, Visitor};
 use crate::container::resting_file::RestingFile;
+use crate::found::ROS1_BAG_MAGIC;
 
 /// A bag, read record by record.
 pub(in crate::container) struct BagFile {
@@ -96,7 +96,7 @@ impl BagFile {
 
 impl ChunkedFile for BagFile {
     fn rewind(&mut self) -> io::Result<()> {
-        self.go_to(MAGIC.len() as u64)
+        self.go_to(ROS1_BAG_MAGIC.len() as u64)
     }
 
     fn rest(&mut self) -> io::Result<()> {

@@ -20,10 +20,7 @@ use super::resting_file::RestingFile;
 use super::survey::Survey;
 use crate::{Loss, LossKind};
 
-/// The first bytes of every bag.
-pub(crate) const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
-
-/// Looks through `file`, which begins with [`MAGIC`]; `path` names it in losses.
+/// Looks through `file`, which begins with [`ROS1_BAG_MAGIC`]; `path` names it in losses.
 pub(super) fn open(path: &Path, file: RestingFile) -> io::Result<Chunked<BagFile>> {
     let bytes = file.length()?;
     let mut bag = BagFile::new(file, bytes)?;

@@ -3,22 +3,20 @@
 use std::io::{self, BufReader, Read as _, Seek as _};
 use std::path::Path;
 
-use super::rows::{Cell, Record, u32_at};
+use super::rows::{Cell, FILE_HEADER_BYTES, Record, u32_at};
 use super::wal::Wal;
 use crate::container::resting_file::RestingFile;
 use crate::{Damage, limits};
 
 /// The first bytes of every SQLite file.
-pub(in crate::container) const MAGIC: &[u8] = b"SQLite format 3\0";
+pub(crate) const MAGIC: &[u8] = b"SQLite format 3\0";
 
-/// Bytes before the first page's own content.
-pub(super) const FILE_HEADER_BYTES: usize = 100;
 const UTF_8: u32 = 1;
 /// Pages are often read in the order of the file.
 const BUFFER_BYTES: usize = 64 * 1024;
 
 /// The pages of a file, numbered from 1.
-pub(in crate::container) struct Pages {
+pub(crate) struct Pages {
     input: BufReader<RestingFile>,
     page_bytes: usize,
     /// Bytes of a page that hold content.
@@ -34,7 +32,7 @@ pub(in crate::container) struct Pages {
 
 impl Pages {
     /// Reads the header of the file, and the log beside it. `path` is the file's name.
-    pub(in crate::container) fn open(path: &Path, file: RestingFile) -> Result<Self, Damage> {
+    pub(crate) fn open(path: &Path, file: RestingFile) -> Result<Self, Damage> {
         let bytes = file.length()?;
         let mut input = BufReader::with_capacity(BUFFER_BYTES, file);
         let mut header = [0; FILE_HEADER_BYTES];
@@ -58,29 +56,29 @@ impl Pages {
     }
 
     /// How many pages there are, with one of which only a part is there.
-    pub(in crate::container) fn count(&self) -> u32 {
+    pub(crate) fn count(&self) -> u32 {
         let count = self.count + u32::from(self.rest_bytes > 0);
         self.wal.as_ref().map_or(count, |wal| wal.page_count().max(count))
     }
 
     /// Whether pages are missing at the end, and where that is.
-    pub(in crate::container) fn cut_at_byte(&self) -> Option<u64> {
+    pub(crate) fn cut_at_byte(&self) -> Option<u64> {
         (self.wal.is_none() && self.stated > self.count).then(|| self.at_byte(self.count + 1))
     }
 
     /// Where a page begins.
-    pub(in crate::container) fn at_byte(&self, page: u32) -> u64 {
+    pub(crate) fn at_byte(&self, page: u32) -> u64 {
         u64::from(page.saturating_sub(1)) * self.page_bytes as u64
     }
 
     /// Closes the file until it is read again.
-    pub(in crate::container) fn rest(&mut self) -> io::Result<()> {
+    pub(crate) fn rest(&mut self) -> io::Result<()> {
         self.input.rewind()?;
         self.input.get_mut().rest()
     }
 
     /// Reads a page into `out`; of the page in which the file was cut off, what is there.
-    pub(in crate::container) fn read(&mut self, page: u32, out: &mut Vec<u8>) -> Result<(), Damage> {
+    pub(crate) fn read(&mut self, page: u32, out: &mut Vec<u8>) -> Result<(), Damage> {
         let rest = if page == self.count + 1 { self.rest_bytes } else { 0 };
         out.resize(if rest > 0 { rest } else { self.page_bytes }, 0);
         if let Some(wal) = &mut self.wal
@@ -97,17 +95,17 @@ impl Pages {
     }
 
     /// The cell at `at` of a leaf page.
-    pub(in crate::container) fn cell(&self, leaf: &[u8], at: usize) -> Result<Cell, Damage> {
+    pub(crate) fn cell(&self, leaf: &[u8], at: usize) -> Result<Cell, Damage> {
         Cell::read(leaf, at, self.usable_bytes).ok_or_else(|| Damage::Record("a row cannot be parsed".to_owned()))
     }
 
     /// The part of a row that is on its leaf page: enough for its first columns.
-    pub(in crate::container) fn start_of_row(&self, leaf: &[u8], cell: &Cell) -> Result<Record, Damage> {
+    pub(crate) fn start_of_row(&self, leaf: &[u8], cell: &Cell) -> Result<Record, Damage> {
         Record::parse(cell.local_part(leaf))
     }
 
     /// Reads a whole row into `out`, following it onto other pages; `page` is a buffer.
-    pub(in crate::container) fn read_row(
+    pub(crate) fn read_row(
         &mut self,
         leaf: &[u8],
         cell: &Cell,

@@ -2,18 +2,19 @@
 
 use std::ops::Range;
 
-use super::pages::FILE_HEADER_BYTES;
 use crate::Damage;
 
+/// Bytes before the first page's own content.
+pub(super) const FILE_HEADER_BYTES: usize = 100;
 const TABLE_LEAF: u8 = 0x0d;
 const LEAF_HEADER_BYTES: usize = 8;
 
 /// A row as its leaf page holds it.
 #[derive(Clone, Debug)]
-pub(in crate::container) struct Cell {
-    pub(in crate::container) row: i64,
+pub(crate) struct Cell {
+    pub(crate) row: i64,
     /// Bytes of the whole record.
-    pub(in crate::container) bytes: u64,
+    pub(crate) bytes: u64,
     /// Where the record begins on the leaf page, and how much of it is there.
     pub(super) local: Range<usize>,
     /// The page on which it continues; 0 if it does not.
@@ -44,13 +45,13 @@ impl Cell {
 
 impl Cell {
     /// The part of the row that is on its leaf page.
-    pub(in crate::container) fn local_part<'a>(&self, leaf: &'a [u8]) -> &'a [u8] {
+    pub(crate) fn local_part<'a>(&self, leaf: &'a [u8]) -> &'a [u8] {
         &leaf[self.local.clone()]
     }
 }
 
 /// Whether a page is a leaf of a table.
-pub(in crate::container) fn is_table_leaf(page: &[u8], number: u32) -> bool {
+pub(crate) fn is_table_leaf(page: &[u8], number: u32) -> bool {
     page.get(header_at(number)) == Some(&TABLE_LEAF)
 }
 
@@ -60,7 +61,7 @@ pub(super) fn header_at(number: u32) -> usize {
 }
 
 /// Where the cells of a leaf page begin.
-pub(in crate::container) fn cells_of(page: &[u8], number: u32) -> Result<Vec<usize>, Damage> {
+pub(crate) fn cells_of(page: &[u8], number: u32) -> Result<Vec<usize>, Damage> {
     let impossible = || Damage::Record(format!("page {number} cannot be parsed"));
     cell_places(page, header_at(number), LEAF_HEADER_BYTES).ok_or_else(impossible)
 }
@@ -74,14 +75,14 @@ pub(super) fn cell_places(page: &[u8], header_at: usize, header_bytes: usize) ->
 
 /// Where each column of a record is.
 #[derive(Debug)]
-pub(in crate::container) struct Record {
+pub(crate) struct Record {
     /// Type and first byte of each column, with its length.
     columns: Vec<(u64, Range<usize>)>,
 }
 
 impl Record {
     /// Parses the header of a record, of which the end may be missing.
-    pub(in crate::container) fn parse(record: &[u8]) -> Result<Self, Damage> {
+    pub(crate) fn parse(record: &[u8]) -> Result<Self, Damage> {
         Self::columns(record)
             .map(|columns| Self { columns })
             .ok_or_else(|| Damage::Record("a row has no columns".into()))
@@ -110,12 +111,12 @@ impl Record {
         Some(columns)
     }
 
-    pub(in crate::container) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.columns.len()
     }
 
     /// A whole number, if the column holds one.
-    pub(in crate::container) fn integer(&self, record: &[u8], column: usize) -> Option<i64> {
+    pub(crate) fn integer(&self, record: &[u8], column: usize) -> Option<i64> {
         let (kind, place) = self.columns.get(column)?;
         let bytes = record.get(place.clone())?;
         match kind {
@@ -131,7 +132,7 @@ impl Record {
     }
 
     /// Where the bytes of a column are, if it holds bytes.
-    pub(in crate::container) fn blob(&self, column: usize) -> Option<Range<usize>> {
+    pub(crate) fn blob(&self, column: usize) -> Option<Range<usize>> {
         self.columns
             .get(column)
             .filter(|(kind, _)| *kind >= 12 && kind.is_multiple_of(2))
@@ -139,7 +140,7 @@ impl Record {
     }
 
     /// A text, if the column holds one.
-    pub(in crate::container) fn text(&self, record: &[u8], column: usize) -> Option<String> {
+    pub(crate) fn text(&self, record: &[u8], column: usize) -> Option<String> {
         let (kind, place) = self.columns.get(column)?;
         let is_text = *kind >= 13 && !kind.is_multiple_of(2);
         let bytes = record.get(place.clone()).filter(|_| is_text)?;

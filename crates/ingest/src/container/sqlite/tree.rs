@@ -10,7 +10,7 @@ const INTERIOR_HEADER_BYTES: usize = 12;
 const DEEPEST: usize = 32;
 
 /// A walk through the leaves of a table.
-pub(in crate::container) struct Leaves {
+pub(crate) struct Leaves {
     /// Pages that are still to be visited on each level, the next one last.
     levels: Vec<Vec<u32>>,
     visited: u32,
@@ -18,7 +18,7 @@ pub(in crate::container) struct Leaves {
 
 impl Leaves {
     /// From the root page of a table.
-    pub(in crate::container) fn of(root: u32) -> Self {
+    pub(crate) fn of(root: u32) -> Self {
         Self { levels: vec![vec![root]], visited: 0 }
     }
 
@@ -26,11 +26,7 @@ impl Leaves {
     ///
     /// # Errors
     /// At a page that cannot be read or is none of a table, with its number. The walk can go on behind it.
-    pub(in crate::container) fn next(
-        &mut self,
-        pages: &mut Pages,
-        page: &mut Vec<u8>,
-    ) -> Result<Option<u32>, (u32, Damage)> {
+    pub(crate) fn next(&mut self, pages: &mut Pages, page: &mut Vec<u8>) -> Result<Option<u32>, (u32, Damage)> {
         while let Some(level) = self.levels.last_mut() {
             let Some(number) = level.pop() else {
                 self.levels.pop();

@@ -1,48 +1,41 @@
-//! Tables of ranges, such as CSV: one scan a row. What its columns hold is found by their names and by the first rows; where
-//! the table does not say where its beams look, settings do.
+//! Tables of ranges, such as CSV: one scan a row. What its columns hold is known by their names ([`layout`]), which
+//! `csv.columns` gives where the table does not; where its beams look, settings say where no column does.
 
-mod columns;
-mod dialect;
-mod echo;
-mod names;
-mod sample;
-#[cfg(test)]
-mod tests;
+mod layout;
 
 use std::collections::{BTreeMap, VecDeque};
+use std::io::{self, BufReader, Seek as _};
 use std::path::Path;
 
 use crosscut_messages::{CDR_ENCODING, Endian, Header, LaserScan, Message as _, SCAN_TOPIC, SCHEMA_ENCODING, Time};
 use crosscut_sensor::{CsvGeometry, rescale};
+use csv::StringRecord;
 
-use self::columns::{Columns, TimeColumn};
-pub(crate) use self::dialect::Dialect;
-use self::names::{Geometry, NS_PER_S};
-use self::sample::{Sample, is_comment};
-use super::lines::{Line, LineFormat};
+use self::layout::{Layout, NS_PER_S};
+use super::lines::{Line, LineFormat, next_line};
 use super::resting_file::RestingFile;
 use super::{ChannelId, Message, Topic};
 use crate::{Found, IngestError};
 
 /// The only channel.
 const SCANS: ChannelId = 0;
+/// This many rows show what the columns hold; less, if they take more than that.
+const SAMPLED_ROWS: usize = 64;
+const SAMPLED_BYTES: usize = 16 << 20;
+/// The words that stand for no number, in small letters.
+const NO_NUMBER: [&str; 6] = ["", "na", "n/a", "none", "null", "-"];
+/// Ranges may be this many more or fewer than the angles of their row state, beside this share of them.
+const SPARE_BEAMS: f64 = 2.0;
+const SPARE_SHARE: f64 = 0.05;
 
 /// A table whose columns are known.
 pub(super) struct Table {
     settings: CsvGeometry,
     dialect: Dialect,
-    rows: Rows,
+    layout: Layout,
     /// Line of the first row, and the line with the names, which may come again where files were joined.
     first_row: u64,
     header: Option<String>,
-}
-
-/// What rows are.
-enum Rows {
-    /// Ranges in columns.
-    Columns(Box<Columns>),
-    /// Messages as `ros2 topic echo --csv` writes them.
-    Echo,
 }
 
 impl Table {
@@ -50,179 +43,148 @@ impl Table {
     ///
     /// # Errors
     /// When its rows are no scans, or neither it nor `settings` say where their beams look.
-    pub(super) fn look(path: &Path, file: &mut RestingFile, settings: CsvGeometry) -> Result<Self, IngestError> {
-        let sample = Sample::of(file).map_err(|source| IngestError::cannot_open(path, source))?;
-        let Some(table) = Self::of(sample, settings) else {
-            return Err(IngestError::NotRecording { path: path.to_owned(), found: Found::OtherTable(String::new()) });
+    pub(super) fn look(path: &Path, file: &mut RestingFile, settings: &CsvGeometry) -> Result<Self, IngestError> {
+        let lines = first_lines(file).map_err(|source| IngestError::cannot_open(path, source))?;
+        let (table, rows) =
+            Self::of(lines, settings).map_err(|found| IngestError::NotRecording { path: path.to_owned(), found })?;
+        // A scan of which the directions are not stated has none.
+        let states_directions = |line: &Line| {
+            table.scan(line).is_ok_and(|(scan, _)| scan.angle_min.is_finite() && scan.angle_max.is_finite())
         };
-        let table = table.map_err(|found| IngestError::NotRecording { path: path.to_owned(), found })?;
-        let states_geometry = match &table.rows {
-            Rows::Columns(columns) => {
-                let Columns { geometry, bearings_rad, .. } = &**columns;
-                let states = |part| geometry.contains_key(&part);
-                let has_step = states(Geometry::AngleIncrement) || states(Geometry::AngleMax);
-                bearings_rad.is_some() || states(Geometry::AngleMin) && has_step
-            }
-            Rows::Echo => true,
-        };
-        if settings.is_known() || states_geometry {
+        if table.settings.is_known() || rows.iter().any(states_directions) {
             Ok(table)
         } else {
-            Err(IngestError::NoGeometry { path: path.to_owned(), columns: table.taken() })
+            Err(IngestError::NoGeometry { path: path.to_owned(), columns: table.layout.taken })
         }
     }
 
-    /// `None` if there is no line.
-    fn of(sample: Sample, settings: CsvGeometry) -> Option<Result<Self, Found>> {
-        let Sample { header, rows, first_row } = sample;
-        let (first, is_names) = match (&header, rows.first()) {
-            (_, Some(row)) => (row.clone(), false),
-            (Some(header), None) => (header.clone(), true),
-            (None, None) => return None,
+    /// By its first lines that are not blank; with those of them that are rows.
+    fn of(mut lines: Vec<Line>, settings: &CsvGeometry) -> Result<(Self, Vec<Line>), Found> {
+        let comments = lines.iter().take_while(|line| is_comment(&line.text)).count();
+        let comment = lines.drain(..comments).next_back();
+        lines.retain(|line| !is_comment(&line.text));
+        let [first, rest @ ..] = &lines[..] else { return Err(Found::Text) };
+        let dialect = Dialect::of(&rest.first().unwrap_or(first).text);
+        let cells_of = |line: &Line| dialect.cells(&line.text).iter().map(str::to_owned).collect::<Vec<_>>();
+        let numbers_of = |line: &Line| dialect.numbers(&dialect.cells(&line.text));
+        let next = rest.first().map(numbers_of).unwrap_or_default();
+        let header = if layout::are_names(&cells_of(first), &numbers_of(first), &next) {
+            Some(lines.remove(0))
+        } else {
+            // A comment has the names where it has as many words as the row after it has cells.
+            let columns = cells_of(first).len();
+            comment.filter(|comment| dialect.cells(names_in(&comment.text)).len() == columns)
         };
-        let dialect = Dialect::of(header.as_deref().filter(|header| header.contains([';', '\t'])).unwrap_or(&first));
-        let cells = dialect.cells(&first);
-        // A comment is a header where it has as many words as the row after it has cells.
-        let names = header.as_deref().map(|header| (is_comment(header), dialect.cells(names_in(header))));
-        let names =
-            names.filter(|(is_comment, names)| !is_comment || names.len() == cells.len()).map(|(_, names)| names);
-        let numbers: Vec<_> = rows.iter().map(|row| columns::numbers(dialect, &dialect.cells(row))).collect();
-        let columns = match names {
-            Some(names) => Columns::named(&names, &numbers).map(Box::new).map(Rows::Columns),
-            None if is_names => Columns::named(&cells, &[]).map(Box::new).map(Rows::Columns),
-            None if !echo::has_header(dialect, &cells) => {
-                Columns::bare(cells.len(), &numbers).map(Box::new).map(Rows::Columns)
-            }
-            None if echo::is_shortened(&cells) => Err(Found::ShortenedEcho),
-            None if echo::is_scan(dialect, &cells) => Ok(Rows::Echo),
-            None => Err(Found::OtherTable(String::new())),
-        };
-        Some(columns.map(|rows| Self { settings, dialect, rows, first_row, header }))
-    }
-
-    /// What the columns were taken for.
-    fn taken(&self) -> String {
-        match &self.rows {
-            Rows::Columns(columns) => format!("{}; between {}", columns.taken, self.dialect.name()),
-            Rows::Echo => "the fields of a LaserScan, as `ros2 topic echo --csv` writes them".to_owned(),
+        let Some(first) = lines.first() else { return Err(Found::Text) };
+        let cells = cells_of(first);
+        let numbers = cells.iter().filter(|cell| dialect.number(cell).is_some()).count();
+        if cells.len() < 2 || 2 * numbers < cells.len() {
+            return Err(Found::Text);
         }
+        let rows: Vec<Vec<f64>> = lines.iter().map(numbers_of).collect();
+        let layout = if !settings.columns.is_empty() {
+            Layout::given(&settings.columns, &rows)?
+        } else if let Some(header) = &header {
+            let names: Vec<_> = dialect.cells(names_in(&header.text)).iter().map(str::to_owned).collect();
+            Layout::named(names, &rows)?
+        } else {
+            Layout::bare(&cells, &rows)?
+        };
+        let header = header.map(|header| header.text);
+        let mut settings = settings.clone();
+        if let Some([first_rad, last_rad]) = layout.bearings_rad.filter(|_| !settings.is_known()) {
+            (settings.first_rad, settings.last_rad) = (first_rad, last_rad);
+        }
+        let table = Self { settings, dialect, layout, first_row: first.number, header };
+        if table.layout.is_echo && table.scan(first).is_err() {
+            return Err(Found::OtherTable(String::new()));
+        }
+        Ok((table, lines))
     }
 
-    /// The scan in a row, and when it was recorded.
+    /// The scan in a row, and when it was recorded. Angles are NaN where nothing states them.
     fn scan(&self, line: &Line) -> Result<(LaserScan, u64), String> {
-        let cells = self.dialect.cells(&line.text);
-        let (mut scan, recorded_ns) = match &self.rows {
-            Rows::Echo => (echo::scan(self.dialect, &cells)?, None),
-            Rows::Columns(columns) => self.scan_of(columns, &cells, line)?,
-        };
-        self.overrule(&mut scan);
-        let stamp_ns = scan.header.stamp.to_ns().unwrap_or(0);
-        Ok((scan, recorded_ns.unwrap_or(stamp_ns)))
-    }
-
-    fn scan_of(&self, columns: &Columns, cells: &[&str], line: &Line) -> Result<(LaserScan, Option<u64>), String> {
-        let cells = cells.strip_suffix(&[""]).filter(|cells| cells.len() == columns.count).unwrap_or(cells);
-        let has_other_count = || columns.may_vary && line.is_ended && cells.len() > columns.ranges[0];
-        if cells.len() != columns.count && !has_other_count() {
-            return Err(format!("it has {} columns, the first line has {}", cells.len(), columns.count));
+        let Self { layout, settings, .. } = self;
+        let row = self.dialect.cells(&line.text);
+        let mut cells: Vec<&str> = row.iter().collect();
+        let columns = layout.names.len();
+        if cells.len() != columns && cells.last() == Some(&"") {
+            cells.pop(); // some writers end every row by a separator
         }
-        let mut scan = LaserScan::default();
-        self.read_ranges(columns, cells, &mut scan.ranges)?;
-        let time = |time: Option<TimeColumn>| time.map(|time| self.time_ns(time, cells)).transpose();
+        let is_whole = cells.len() == columns;
+        let may_vary = || layout.varies && line.is_ended && cells.len() > layout.ranges[0];
+        if !is_whole && !may_vary() {
+            return Err(format!("it has {} columns, the first line has {columns}", cells.len()));
+        }
+        let mut scan = LaserScan { range_max: f32::INFINITY, ..LaserScan::default() };
+        (scan.angle_min, scan.angle_max, scan.angle_increment) = (f32::NAN, f32::NAN, f32::NAN);
+        for &(column, field) in &layout.fields {
+            let wrong = || format!("`{:.20}` in column {} is no number", cells[column], column + 1);
+            *field(&mut scan) = self.dialect.number(cells[column]).ok_or_else(wrong)? as f32;
+        }
+        scan.ranges = match layout.list {
+            Some(list) => {
+                let list = cells[list].trim_matches(|c| "[]()".contains(c));
+                self.ranges(list.split([',', ' ']).map(str::trim).filter(|cell| !cell.is_empty()))?
+            }
+            None if is_whole && !layout.is_echo => self.ranges(layout.ranges.iter().map(|column| cells[*column]))?,
+            None => {
+                let numbers = &cells[layout.ranges[0]..];
+                self.ranges(numbers[..beams_of(&scan, numbers.len())?].iter().copied())?
+            }
+        };
+        rescale(&mut scan, layout.unit_m);
+        let steps = scan.ranges.len().saturating_sub(1);
+        if settings.is_known() {
+            (scan.angle_min, scan.angle_max) = (settings.first_rad as f32, settings.last_rad as f32);
+            scan.angle_increment = ((settings.last_rad - settings.first_rad) / steps.max(1) as f64) as f32;
+        } else if scan.angle_max.is_nan() {
+            scan.angle_max = scan.angle_min + steps as f32 * scan.angle_increment;
+        } else if scan.angle_increment.is_nan() {
+            scan.angle_increment = 0.0;
+        }
+        if settings.range_max_m < f64::INFINITY {
+            scan.range_max = settings.range_max_m as f32;
+        }
+        let time = |time: Option<layout::Time>| time.map(|time| self.time_ns(time, &cells)).transpose();
         // The first row is not at 0, which would be no stamp.
-        let by_rate = || ((line.number - self.first_row + 1) as f64 * NS_PER_S / self.settings.rate_hz).round() as u64;
-        let stamp_ns = time(columns.stamp)?.unwrap_or_else(by_rate);
-        let frame_id = columns.frame.map_or("laser", |column| cells[column]).to_owned();
+        let by_rate = || ((line.number - self.first_row + 1) as f64 * NS_PER_S / settings.rate_hz).round() as u64;
+        let stamp_ns = time(layout.stamp)?.unwrap_or_else(by_rate);
+        let frame_id = layout.frame.map_or("laser", |column| cells[column].trim_matches('"')).to_owned();
         scan.header = Header { stamp: Time::from_ns(stamp_ns), frame_id };
-        scan.range_max = f32::INFINITY;
-        if let Some([first_rad, last_rad]) = columns.bearings_rad {
-            (scan.angle_min, scan.angle_max) = (first_rad as f32, last_rad as f32);
-            scan.angle_increment = ((last_rad - first_rad) / scan.ranges.len().saturating_sub(1).max(1) as f64) as f32;
-        }
-        for (part, &column) in &columns.geometry {
-            let number = self.dialect.number(cells[column]);
-            let number =
-                number.ok_or_else(|| format!("`{:.20}` in column {} is no number", cells[column], column + 1))?;
-            *match part {
-                Geometry::AngleMin => &mut scan.angle_min,
-                Geometry::AngleMax => &mut scan.angle_max,
-                Geometry::AngleIncrement => &mut scan.angle_increment,
-                Geometry::TimeIncrement => &mut scan.time_increment,
-                Geometry::ScanTime => &mut scan.scan_time,
-                Geometry::RangeMin => &mut scan.range_min,
-                Geometry::RangeMax => &mut scan.range_max,
-            } = number as f32;
-        }
-        if !columns.geometry.contains_key(&Geometry::AngleMax) && columns.bearings_rad.is_none() {
-            scan.angle_max = scan.angle_min + scan.ranges.len().saturating_sub(1) as f32 * scan.angle_increment;
-        }
-        Ok((scan, time(columns.recorded)?))
+        Ok((scan, time(layout.recorded)?.unwrap_or(stamp_ns)))
     }
 
-    /// Brings ranges to metres, and replaces what the settings state.
-    fn overrule(&self, scan: &mut LaserScan) {
-        let by_name = match &self.rows {
-            Rows::Columns(columns) => columns.unit_m,
-            Rows::Echo => None,
+    fn ranges<'a>(&self, cells: impl Iterator<Item = &'a str>) -> Result<Vec<f32>, String> {
+        let range = |cell: &str| self.dialect.number(cell).ok_or_else(|| format!("`{cell:.20}` is no range"));
+        cells.map(|cell| Ok(range(cell)? as f32)).collect()
+    }
+
+    fn time_ns(&self, layout::Time { column, unit_ns, rest }: layout::Time, cells: &[&str]) -> Result<u64, String> {
+        let number = |column: usize| self.dialect.number(cells[column]).filter(|time| *time >= 0.0);
+        let of_float = |column: usize| Some(number(column).filter(|time| time.fract() == 0.0)? as u64);
+        let whole = |column: usize| cells[column].parse().ok().or_else(|| of_float(column));
+        let time_ns = match rest {
+            Some(rest) => whole(column)
+                .and_then(|time_s: u64| time_s.checked_mul(1_000_000_000))
+                .and_then(|time_ns| time_ns.checked_add(whole(rest)?)),
+            None => {
+                whole(column).filter(|_| unit_ns == 1.0).or_else(|| Some((number(column)? * unit_ns).round() as u64))
+            }
         };
-        rescale(scan, self.settings.unit_m.or(by_name).unwrap_or(1.0));
-        let CsvGeometry { first_rad, last_rad, range_max_m, .. } = self.settings;
-        if self.settings.is_known() {
-            let steps = scan.ranges.len().saturating_sub(1).max(1) as f64;
-            (scan.angle_min, scan.angle_max) = (first_rad as f32, last_rad as f32);
-            scan.angle_increment = ((last_rad - first_rad) / steps) as f32;
-        }
-        if range_max_m < f64::INFINITY {
-            scan.range_max = range_max_m as f32;
-        }
-    }
-
-    fn read_ranges(&self, columns: &Columns, cells: &[&str], ranges: &mut Vec<f32>) -> Result<(), String> {
-        let mut add = |cell: &str| {
-            let range = self.dialect.number(cell).ok_or_else(|| format!("`{cell:.20}` is no range"))?;
-            ranges.push(range as f32);
-            Ok::<_, String>(())
-        };
-        if let Some(list) = columns.list {
-            let list = cells[list].trim_matches(|c| "[]()".contains(c));
-            return list.split([',', ' ']).map(str::trim).filter(|cell| !cell.is_empty()).try_for_each(add);
-        }
-        let has_intensities = columns.count > columns.ranges.len() + columns.ranges[0];
-        match cells.len() - columns.ranges[0] {
-            left if cells.len() != columns.count => {
-                if has_intensities && left % 2 == 1 {
-                    return Err(format!("{left} numbers are no ranges with as many intensities"));
-                }
-                let beams = if has_intensities { left / 2 } else { left };
-                cells[columns.ranges[0]..][..beams].iter().try_for_each(|cell| add(cell))
-            }
-            _ => columns.ranges.iter().try_for_each(|&column| add(cells[column])),
-        }
-    }
-
-    fn time_ns(&self, time: TimeColumn, cells: &[&str]) -> Result<u64, String> {
-        let wrong = |column: usize| format!("`{:.20}` is no time", cells[column]);
-        let of_float =
-            |column: usize| self.dialect.number(cells[column]).filter(|time| *time >= 0.0 && time.fract() == 0.0);
-        let whole = |column: usize| cells[column].parse::<u64>().ok().or_else(|| Some(of_float(column)? as u64));
-        match time {
-            TimeColumn::One { column, unit_ns } => {
-                let exact = whole(column).filter(|_| unit_ns == 1.0);
-                let number = || self.dialect.number(cells[column]).filter(|time| *time >= 0.0);
-                exact.or_else(|| Some((number()? * unit_ns).round() as u64)).ok_or_else(|| wrong(column))
-            }
-            TimeColumn::Two { seconds, nanoseconds } => {
-                let [whole_s, rest_ns] = [seconds, nanoseconds].map(whole);
-                let whole_ns = whole_s.and_then(|whole_s| whole_s.checked_mul(1_000_000_000));
-                whole_ns.and_then(|whole_ns| whole_ns.checked_add(rest_ns?)).ok_or_else(|| wrong(seconds))
-            }
-        }
+        time_ns.ok_or_else(|| format!("`{:.20}` is no time", cells[column]))
     }
 }
 
-/// The names of a header, which may be a comment. `rostopic echo -p` begins it with `%time`.
-fn names_in(header: &str) -> &str {
-    header.trim_start_matches(['#', ' '])
+/// How many of the numbers behind the geometry of a row are ranges: all, or, if its angles leave room for half of them only,
+/// that half. The others are intensities.
+fn beams_of(scan: &LaserScan, numbers: usize) -> Result<usize, String> {
+    let stated = f64::from((scan.angle_max - scan.angle_min) / scan.angle_increment) + 1.0;
+    let off = |beams: usize| (beams as f64 - stated).abs();
+    let half = numbers / 2;
+    let beams = if numbers.is_multiple_of(2) && off(half) < off(numbers) { half } else { numbers };
+    let fits = off(beams) <= SPARE_BEAMS + SPARE_SHARE * stated;
+    if fits { Ok(beams) } else { Err(format!("{numbers} numbers do not fit {stated:.0} beams, as its angles state")) }
 }
 
 impl LineFormat for Table {
@@ -232,7 +194,7 @@ impl LineFormat for Table {
     fn survey(&mut self, _: &Line) {}
 
     fn properties(&self) -> Vec<(&'static str, String)> {
-        vec![("columns", self.taken())]
+        vec![("columns", format!("{}; between {}", self.layout.taken, self.dialect.name()))]
     }
 
     fn channels(&self) -> BTreeMap<ChannelId, Topic> {
@@ -249,5 +211,81 @@ impl LineFormat for Table {
         let (scan, log_time_ns) = self.scan(line).map_err(|cause| (SCANS, cause))?;
         out.push_back(Message { channel: SCANS, log_time_ns, data: scan.encode(Endian::Little), damage: None });
         Ok(())
+    }
+}
+
+/// The lines that show what a table holds, without blank ones. The file is at its start again afterwards.
+fn first_lines(file: &mut RestingFile) -> io::Result<Vec<Line>> {
+    let mut input = BufReader::new(&mut *file);
+    let (mut lines, mut number, mut bytes) = (Vec::<Line>::new(), 0, 0);
+    while lines.len() <= SAMPLED_ROWS && bytes < SAMPLED_BYTES {
+        let Some(line) = next_line(&mut input, &mut number)? else { break };
+        bytes += line.text.len();
+        // Of comments before the first row, the last may have the names.
+        if lines.last().is_some_and(|last| is_comment(&last.text)) && is_comment(&line.text) {
+            lines.pop();
+        }
+        if !line.text.trim().is_empty() {
+            lines.push(line);
+        }
+    }
+    file.rewind()?;
+    Ok(lines)
+}
+
+fn is_comment(line: &str) -> bool {
+    line.starts_with(['#', '%'])
+}
+
+/// The names of a header, which may be a comment. `rostopic echo -p` begins it with `%time`.
+fn names_in(header: &str) -> &str {
+    header.trim_start_matches(['#', ' '])
+}
+
+/// How the cells of a table are separated, and how its numbers are written.
+#[derive(Clone, Copy)]
+struct Dialect {
+    /// `None` stands for any blanks.
+    separator: Option<u8>,
+}
+
+impl Dialect {
+    /// By a row. A comma may separate cells or be the decimal sign of cells between blanks.
+    fn of(row: &str) -> Self {
+        let separator = [b';', b'\t'].into_iter().find(|separator| row.trim().contains(char::from(*separator)));
+        let has_decimal_commas = || {
+            let mut words = row.split_whitespace();
+            let is_number = |word: &str| Self { separator: None }.number(word).is_some() && !word.ends_with(',');
+            words.clone().count() > 1 && words.all(is_number)
+        };
+        Self { separator: separator.or_else(|| (row.contains(',') && !has_decimal_commas()).then_some(b',')) }
+    }
+
+    /// Its separator in words.
+    fn name(self) -> String {
+        self.separator.map_or("blanks".to_owned(), |separator| format!("`{}`", separator.escape_ascii()))
+    }
+
+    /// The cells of a line, without quotes and blanks around them.
+    fn cells(self, line: &str) -> StringRecord {
+        let words = || line.split_whitespace().collect::<Vec<_>>().join(" ");
+        let text = if self.separator.is_some() { line.to_owned() } else { words() };
+        let mut reader = csv::ReaderBuilder::new();
+        reader.has_headers(false).delimiter(self.separator.unwrap_or(b' ')).trim(csv::Trim::All);
+        let row = reader.from_reader(text.as_bytes()).records().next();
+        row.and_then(Result::ok).unwrap_or_default()
+    }
+
+    /// The number in a cell; NaN where it says that there is none. Where commas do not separate cells, they may be
+    /// decimal signs.
+    fn number(self, cell: &str) -> Option<f64> {
+        let is_none = || NO_NUMBER.contains(&cell.to_ascii_lowercase().as_str()).then_some(f64::NAN);
+        let with_point = || cell.replace(',', ".").parse().ok().filter(|_| self.separator != Some(b','));
+        cell.parse().ok().or_else(with_point).or_else(is_none)
+    }
+
+    /// The numbers of a row; NaN for other cells.
+    fn numbers(self, cells: &StringRecord) -> Vec<f64> {
+        cells.iter().map(|cell| self.number(cell).unwrap_or(f64::NAN)).collect()
     }
 }

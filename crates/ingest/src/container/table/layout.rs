@@ -1,0 +1,384 @@
+//! What the columns of a table hold, by their names: `field.ranges12`, `ranges_12`, `/scan/ranges[12]`, `r12 (mm)`.
+
+use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
+
+use crosscut_messages::LaserScan;
+
+use crate::Found;
+
+/// Nanoseconds in a second.
+pub(super) const NS_PER_S: f64 = 1e9;
+
+/// The part of a scan that a column of numbers states.
+type Field = fn(&mut LaserScan) -> &mut f32;
+
+/// What a column holds.
+#[derive(Clone, Copy)]
+enum Part {
+    /// When the scan was taken.
+    Stamp,
+    /// When it was recorded.
+    Recorded,
+    /// The whole seconds of a time, and the nanoseconds after them.
+    Seconds,
+    Nanoseconds,
+    Frame,
+    Field(Field),
+    Ranges,
+    Angle,
+    Coordinate,
+    Other,
+}
+
+/// The names that columns have in the tables of `rostopic echo -p`, of MATLAB and of scripts, in small letters and without
+/// parents, units and numbers; `angule` is written by the frame grabber of RPLIDAR.
+const NAMES: &[(Part, &[&str])] = &[
+    (Part::Stamp, &["stamp", "timestamp", "time_stamp"]),
+    (Part::Recorded, &["time", "t", "log_time", "rosbagtimestamp", "datetime", "date"]),
+    (Part::Seconds, &["sec", "secs", "seconds"]),
+    (Part::Nanoseconds, &["nsec", "nsecs", "nanosec", "nanosecs"]),
+    (Part::Frame, &["frame_id", "frame"]),
+    (Part::Field(|scan| &mut scan.angle_min), &["angle_min", "anglemin", "start_angle"]),
+    (Part::Field(|scan| &mut scan.angle_max), &["angle_max", "anglemax", "end_angle"]),
+    (Part::Field(|scan| &mut scan.angle_increment), &["angle_increment", "angleincrement"]),
+    (Part::Field(|scan| &mut scan.time_increment), &["time_increment"]),
+    (Part::Field(|scan| &mut scan.scan_time), &["scan_time"]),
+    (Part::Field(|scan| &mut scan.range_min), &["range_min", "rangemin"]),
+    (Part::Field(|scan| &mut scan.range_max), &["range_max", "rangemax"]),
+    (Part::Ranges, &["ranges", "range", "r", "d", "dist", "distance", "distances", "beam", "laser", ""]),
+    (Part::Angle, &["angle", "angles", "angule", "theta", "bearing", "azimuth", "phi"]),
+    (Part::Coordinate, &["x", "y", "z"]),
+];
+
+/// The columns of `ros2 topic echo --csv`, as `csv.columns` gives names: `*` is as many numbers as there are. Behind the ranges
+/// there may be as many intensities.
+const ECHO: &str = "stamp.sec,stamp.nanosec,frame_id,angle_min,angle_max,angle_increment,time_increment,scan_time,range_min,\
+                    range_max,r*";
+/// Units in names: of ranges in metres, of times in nanoseconds.
+const UNITS_M: [(&str, f64); 3] = [("mm", 1e-3), ("cm", 1e-2), ("m", 1.0)];
+const UNITS_NS: [(&str, f64); 4] = [("ns", 1.0), ("us", 1e3), ("ms", 1e6), ("s", NS_PER_S)];
+
+/// Rows with fewer cells and no names are points, or pairs of angles and distances.
+const LEAST_BARE_RANGES: usize = 8;
+/// This many rows show that a column counts up, as no beam does.
+const LEAST_COUNTING: usize = 5;
+/// Numbers of a time since 1970, in seconds (from 2001 on) to nanoseconds. No range is as large in any unit.
+const EPOCHS: RangeInclusive<f64> = 1e9..=4e18;
+/// Whole numbers behind whole seconds are nanoseconds if some lie between these: as ranges they were kilometres in every unit.
+const NANOSECONDS: RangeInclusive<f64> = 1e7..=NS_PER_S;
+/// The steps of bearings are equal to within this share.
+const EVEN: f64 = 0.05;
+/// Bearings are in radians up to this, and in degrees up to that.
+const LARGEST_RAD: f64 = 6.4;
+const LARGEST_DEG: f64 = 361.0;
+
+/// A column with a time.
+#[derive(Clone, Copy)]
+pub(super) struct Time {
+    pub(super) column: usize,
+    /// Its unit in nanoseconds.
+    pub(super) unit_ns: f64,
+    /// The column of the nanoseconds after whole seconds.
+    pub(super) rest: Option<usize>,
+}
+
+/// What the columns hold.
+#[derive(Default)]
+pub(super) struct Layout {
+    pub(super) names: Vec<String>,
+    /// Columns with ranges, in the order of the beams.
+    pub(super) ranges: Vec<usize>,
+    /// The one column whose cells are lists of ranges in brackets, in place of `ranges`.
+    pub(super) list: Option<usize>,
+    /// Rows state their angles, and end in ranges with as many intensities or none: they may have another number of both.
+    pub(super) varies: bool,
+    /// A row of `ros2 topic echo --csv`, of which the names do not tell ranges from intensities.
+    pub(super) is_echo: bool,
+    pub(super) stamp: Option<Time>,
+    pub(super) recorded: Option<Time>,
+    pub(super) frame: Option<usize>,
+    pub(super) fields: Vec<(usize, Field)>,
+    /// Bearings of the first and the last range in radians, where the names of the columns are bearings.
+    pub(super) bearings_rad: Option<[f64; 2]>,
+    /// Metres in the unit of the ranges.
+    pub(super) unit_m: f64,
+    /// What was taken for what, in words.
+    pub(super) taken: String,
+}
+
+impl Layout {
+    /// Of a table whose columns have these names; `rows` are its first ones.
+    ///
+    /// # Errors
+    /// When none of them are ranges: what the table is.
+    pub(super) fn named(names: Vec<String>, rows: &[Vec<f64>]) -> Result<Self, Found> {
+        let parsed: Vec<Name> = names.iter().map(|name| Name::of(name)).collect();
+        let mut layout = Self { names, unit_m: 1.0, ..Self::default() };
+        let are_of_rostopic = layout.names.iter().any(|name| name == "%time");
+        layout.find_singles(&parsed, are_of_rostopic, rows.first().map_or(&[][..], |row| &row[..]));
+        if !layout.find_ranges(&parsed) {
+            let count = |is: fn(&Part) -> bool| parsed.iter().filter(|name| is(&name.part)).count();
+            return Err(
+                if count(|part| matches!(part, Part::Angle)) > 0 && count(|part| matches!(part, Part::Ranges)) > 0 {
+                    Found::AngleTable
+                } else if count(|part| matches!(part, Part::Coordinate)) > 1 && layout.frame.is_none() {
+                    Found::PointTable
+                } else {
+                    Found::OtherTable(listed(layout.names.iter()))
+                },
+            );
+        }
+        layout.taken = layout.described();
+        Ok(layout)
+    }
+
+    /// Of a table whose columns have the names in `pattern`, between commas; a `*` in a name stands for the numbers from 0 on that
+    /// the other names leave.
+    ///
+    /// # Errors
+    /// When none of them are ranges.
+    pub(super) fn given(pattern: &str, rows: &[Vec<f64>]) -> Result<Self, Found> {
+        let names: Vec<&str> = pattern.split(',').map(str::trim).collect();
+        let left = (rows.first().map_or(0, Vec::len) + 1).saturating_sub(names.len());
+        let expanded = names.iter().flat_map(|name| {
+            let many = if name.contains('*') { left } else { 1 };
+            (0..many).map(move |number| name.replace('*', &number.to_string()))
+        });
+        Self::named(expanded.collect(), rows)
+    }
+
+    /// Of a table without names, of which this is the first row.
+    ///
+    /// # Errors
+    /// When its rows are no scans.
+    pub(super) fn bare(cells: &[String], rows: &[Vec<f64>]) -> Result<Self, Found> {
+        if is_echo(cells) {
+            let is_shortened = |cell: &String| cell == "..." || cell.starts_with("<sequence type");
+            if cells.iter().any(is_shortened) {
+                return Err(Found::ShortenedEcho);
+            }
+            let layout = Self::given(ECHO, rows).map_err(|_| Found::OtherTable(String::new()))?;
+            return Ok(Self {
+                is_echo: true,
+                taken: "the fields of a LaserScan, as `ros2 topic echo --csv` writes them".to_owned(),
+                ..layout
+            });
+        }
+        if cells.len() < LEAST_BARE_RANGES {
+            return Err(if cells.len() == 2 { Found::AngleTable } else { Found::PointTable });
+        }
+        let pattern = bare_pattern(rows);
+        let mut layout = Self::given(pattern, rows)?;
+        // A label in words, or nothing, where every row ends in a separator.
+        let has_no_number = |row: &Vec<f64>| row.len() == cells.len() && row.last().is_some_and(|cell| cell.is_nan());
+        let is_label = rows.len() > 1 && rows.iter().all(has_no_number);
+        if is_label {
+            layout.ranges.pop();
+        }
+        layout.taken = format!("without names, taken as `{pattern}` with {} ranges", layout.ranges.len());
+        if is_label && cells.last().is_some_and(|cell| !cell.is_empty()) {
+            layout.taken += &format!("; column {} (words) is not used", cells.len());
+        }
+        Ok(layout)
+    }
+
+    /// The columns that stand alone: times, the frame and the geometry. A time whose first cell is no number is none.
+    fn find_singles(&mut self, names: &[Name], are_of_rostopic: bool, first: &[f64]) {
+        let (mut seconds, mut nanoseconds) = (None, None);
+        for (column, name) in names.iter().enumerate().filter(|(_, name)| name.number.is_none()) {
+            let first = first.get(column).copied().unwrap_or(f64::NAN);
+            let time = || {
+                let stated = UNITS_NS.iter().find(|(unit, _)| *unit == name.unit);
+                let unit_ns = if are_of_rostopic { 1.0 } else { stated.map_or_else(|| unit_ns(first), |(_, ns)| *ns) };
+                Some(Time { column, unit_ns, rest: None }).filter(|_| !first.is_nan())
+            };
+            match name.part {
+                Part::Stamp => self.stamp = self.stamp.or_else(time),
+                Part::Recorded => self.recorded = self.recorded.or_else(time),
+                Part::Seconds => seconds = seconds.or_else(time),
+                Part::Nanoseconds => nanoseconds = nanoseconds.or(Some(column)),
+                Part::Frame => self.frame = self.frame.or(Some(column)),
+                Part::Field(field) => self.fields.push((column, field)),
+                _ => {}
+            }
+        }
+        match (seconds, nanoseconds) {
+            (Some(seconds), Some(_)) => self.stamp = Some(Time { rest: nanoseconds, unit_ns: NS_PER_S, ..seconds }),
+            (Some(_), None) => self.recorded = self.recorded.or(seconds),
+            _ => {}
+        }
+        self.stamp = self.stamp.or(self.recorded);
+    }
+
+    /// The ranges are the columns of a name for ranges and a number, of which there are most with one name; or those that are
+    /// named by bearings; or a list in one cell.
+    fn find_ranges(&mut self, names: &[Name]) -> bool {
+        let of_numbers = self.names.iter().enumerate().filter_map(|(i, name)| Some((i, name.parse::<f64>().ok()?)));
+        let (columns, bearings): (Vec<usize>, Vec<f64>) = of_numbers.unzip();
+        self.bearings_rad = bearings_rad(&bearings);
+        let mut groups: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+        for (column, name) in names.iter().enumerate().filter(|(_, name)| matches!(name.part, Part::Ranges)) {
+            match name.number {
+                Some(_) => groups.entry(&name.stem).or_default().push(column),
+                None if name.stem == "ranges" => self.list = self.list.or(Some(column)),
+                None => {}
+            }
+        }
+        let group = groups.into_values().filter(|group| group.len() > 1).max_by_key(Vec::len);
+        match (self.bearings_rad, group) {
+            (Some(_), _) => self.ranges = columns,
+            (None, Some(group)) => self.ranges = group,
+            (None, None) => return self.list.is_some(),
+        }
+        if self.bearings_rad.is_none() {
+            self.ranges.sort_by_key(|column| names[*column].number);
+        }
+        self.list = None;
+        let (first, last) = (self.ranges[0], self.ranges[self.ranges.len() - 1]);
+        let behind = &names[last.max(first) + 1..];
+        self.varies = self.ranges.is_sorted()
+            && last - first + 1 == self.ranges.len()
+            && behind.iter().all(|name| name.number.is_some())
+            && [0, self.ranges.len()].contains(&behind.len())
+            && !self.fields.is_empty();
+        if let Some((_, unit_m)) = UNITS_M.iter().find(|(unit, _)| *unit == names[first].unit) {
+            self.unit_m = *unit_m;
+        }
+        true
+    }
+
+    /// What was taken for what.
+    fn described(&self) -> String {
+        let name = |column: usize| &self.names[column];
+        let mut used: Vec<usize> = self.ranges.iter().copied().chain(self.list).chain(self.frame).collect();
+        used.extend(self.fields.iter().map(|(column, _)| column));
+        let mut taken = match (self.list, &self.ranges[..]) {
+            (None, [first, .., last]) => {
+                format!("`{}` to `{}` are the {} ranges", name(*first), name(*last), self.ranges.len())
+            }
+            (list, _) => format!("`{}` has the ranges", name(list.unwrap_or(0))),
+        };
+        for (what, time) in [("stamp", self.stamp), ("time of recording", self.recorded)] {
+            let Some(time) = time.filter(|time| !used.contains(&time.column)) else { continue };
+            let columns = || [Some(time.column), time.rest].into_iter().flatten();
+            taken += &format!(", {what} by {}", listed(columns().map(name)));
+            used.extend(columns());
+        }
+        if !self.fields.is_empty() {
+            taken += &format!(", {} state the geometry", listed(self.fields.iter().map(|(column, _)| name(*column))));
+        }
+        let is_left = |(column, name): &(usize, &String)| !name.is_empty() && !used.contains(column);
+        let left = self.names.iter().enumerate().filter(is_left).map(|(_, name)| name);
+        if left.clone().next().is_some() {
+            taken += &format!("; not used: {}", listed(left));
+        }
+        taken
+    }
+}
+
+/// The name of a column, taken apart.
+struct Name {
+    part: Part,
+    /// Its last part, in small letters, without its unit and its number.
+    stem: String,
+    /// The number at its end.
+    number: Option<u64>,
+    unit: String,
+}
+
+impl Name {
+    fn of(text: &str) -> Self {
+        let mut rest = text.trim().to_lowercase();
+        let (mut number, mut unit) = (None, String::new());
+        let is_unit = |word: &str| UNITS_M.iter().chain(&UNITS_NS).any(|(unit, _)| *unit == word);
+        loop {
+            rest.truncate(rest.trim_end_matches(|c: char| !c.is_alphanumeric()).len());
+            let word_at = rest.rfind(|c: char| !c.is_alphanumeric()).map_or(0, |at| at + 1);
+            let number_at = rest.trim_end_matches(|c: char| c.is_ascii_digit()).len();
+            if word_at > 0 && is_unit(&rest[word_at..]) {
+                unit = rest.split_off(word_at);
+            } else if number.is_none() && number_at < rest.len() {
+                number = rest.split_off(number_at).parse().ok();
+            } else {
+                break;
+            }
+        }
+        let (parent, stem) = rest.rsplit_once(['.', '/', ':']).unwrap_or(("", &rest));
+        let stem: String = stem.trim_start_matches(|c: char| !c.is_alphanumeric()).replace(' ', "_");
+        let known = NAMES.iter().find(|(_, names)| names.contains(&stem.as_str()));
+        let is_in_time = parent.is_empty() || parent.contains("stamp") || parent.contains("time");
+        let part = match known.map_or(Part::Other, |(part, _)| *part) {
+            Part::Seconds | Part::Nanoseconds if !is_in_time => Part::Other,
+            Part::Other if ["range", "dist"].iter().any(|start| stem.starts_with(start)) => Part::Ranges,
+            part => part,
+        };
+        Self { part, stem, number, unit }
+    }
+}
+
+/// Whether the cells of a first line are the names of columns: words where the line after it has numbers, or numbers that count
+/// up or are evenly spaced, as no ranges are.
+pub(super) fn are_names(cells: &[String], numbers: &[f64], next: &[f64]) -> bool {
+    let is_word =
+        |cell: &str| cell.starts_with(|c: char| c.is_alphabetic() || "_%".contains(c)) && cell.parse::<f64>().is_err();
+    // Of a writer that gives every row a number, the first name is empty.
+    let from = usize::from(cells.first().is_some_and(String::is_empty));
+    let counts_from =
+        |start: usize| cells[from..].iter().zip(start..).all(|(cell, number)| *cell == number.to_string());
+    let counts = cells.len() >= LEAST_BARE_RANGES && (counts_from(0) || counts_from(1));
+    counts
+        || bearings_rad(&numbers[from..]).is_some()
+        || cells.iter().zip(next).any(|(cell, below)| is_word(cell) && !below.is_nan())
+}
+
+/// Bearings of the first and the last beam in radians, if these are the bearings of beams: evenly spaced numbers that are no
+/// count.
+fn bearings_rad(bearings: &[f64]) -> Option<[f64; 2]> {
+    let (&[first, .., last], true) = (bearings, bearings.len() >= LEAST_BARE_RANGES) else { return None };
+    let (span, step) = ((last - first).abs(), (last - first) / (bearings.len() - 1) as f64);
+    let is_even = bearings.windows(2).all(|pair| ((pair[1] - pair[0]) / step - 1.0).abs() <= EVEN);
+    let is_count = first.fract() == 0.0 && first >= 0.0 && step == 1.0;
+    let to_rad = if span <= LARGEST_RAD && first.abs() <= LARGEST_RAD { 1.0 } else { 1f64.to_radians() };
+    let is_turn = step != 0.0 && first.abs() <= LARGEST_DEG && span <= LARGEST_DEG;
+    (is_even && is_turn && !is_count).then_some([first * to_rad, last * to_rad])
+}
+
+/// Nanoseconds in the unit of a time without a stated one: it lies in this century, or it is in seconds.
+fn unit_ns(time: f64) -> f64 {
+    [(1e17, 1.0), (1e14, 1e3), (1e11, 1e6)].iter().find(|(from, _)| time >= *from).map_or(NS_PER_S, |(_, unit)| *unit)
+}
+
+/// Whether a row begins with the header of a message.
+fn is_echo(cells: &[String]) -> bool {
+    let [sec, nanosec, frame, _, ..] = cells else { return false };
+    let is_stamp = sec.parse::<i32>().is_ok() && nanosec.parse::<u32>().is_ok_and(|nanosec| nanosec < 1_000_000_000);
+    is_stamp && frame.parse::<f64>().is_err()
+}
+
+/// The columns of rows without names, as `csv.columns` gives names: ranges alone, or behind a time, its seconds and nanoseconds, or
+/// the number of the row.
+fn bare_pattern(rows: &[Vec<f64>]) -> &'static str {
+    let column = |column: usize| rows.iter().map(move |row| row.get(column).copied().unwrap_or(f64::NAN));
+    let are_epochs = |of: usize| column(of).all(|number| EPOCHS.contains(&number));
+    let rises = |of: usize| column(of).is_sorted() && column(of).next() < column(of).last();
+    let is_whole = |of: usize| column(of).all(|number| number.fract() == 0.0);
+    let [first, second] = [0, 1].map(|row: usize| rows.get(row).map_or(f64::NAN, |row| row[0]));
+    if are_epochs(0) && !are_epochs(2) {
+        let has_nanoseconds = is_whole(1) && column(1).any(|number| NANOSECONDS.contains(&number));
+        return if is_whole(0) && has_nanoseconds { "sec,nsec,r*" } else { "time,r*" };
+    }
+    if rows.len() < LEAST_COUNTING || ![0.0, 1.0].contains(&first) || !rises(0) || rises(1) {
+        return "r*";
+    }
+    let counts = second - first == 1.0 && column(0).zip(column(0).skip(1)).all(|(a, b)| b - a == 1.0);
+    if counts { "row,r*" } else { "time,r*" }
+}
+
+/// The first of these names.
+fn listed<'a>(names: impl Iterator<Item = &'a String> + Clone) -> String {
+    const LISTED: usize = 6;
+    let first: Vec<_> = names.clone().take(LISTED).map(|name| format!("`{name:.30}`")).collect();
+    let more = names.count().saturating_sub(LISTED);
+    first.join(", ") + &if more > 0 { format!(" and {more} more") } else { String::new() }
+}
