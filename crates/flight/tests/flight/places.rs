@@ -6,7 +6,7 @@ use crosscut_flight::{FlightAnswer, Here};
 use crosscut_messages::TruthPlace;
 use crosscut_simulator::Scene;
 
-use crate::{Follower, follow, scenario};
+use crate::{Flown, Follower, MINE, TUNNEL, follow, scenario};
 
 fn is_right(here: &Here, truth: Option<TruthPlace>) -> bool {
     let kind = |truth: TruthPlace| format!("{:?}", truth.kind) == format!("{:?}", here.kind);
@@ -16,20 +16,15 @@ fn is_right(here: &Here, truth: Option<TruthPlace>) -> bool {
 #[test]
 fn kind_and_ways_are_right_in_nine_of_ten_revolutions() {
     let mut right: BTreeMap<String, [usize; 2]> = BTreeMap::new();
-    for (name, seed) in [("tunnel", 1), ("tunnel", 2), ("mine", 1), ("mine", 2)] {
-        follow(
-            name,
-            seed,
-            usize::MAX,
-            |_| {},
-            |scene, frame| {
-                let Some(TruthPlace { kind, ways }) = scene.truth.here else { return };
-                let is_right = is_right(FlightAnswer::of(frame).here.as_ref().expect("a full turn"), scene.truth.here);
-                let entry = right.entry(format!("{name} {kind:?} {ways}")).or_default();
-                entry[0] += usize::from(is_right);
-                entry[1] += 1;
-            },
-        );
+    let [tunnel, mine] = ["tunnel", "mine"].map(|name| Flown::of(name, 2, usize::MAX));
+    for (name, flown) in [("tunnel", &*TUNNEL), ("tunnel", &tunnel), ("mine", &*MINE), ("mine", &mine)] {
+        for seen in &flown.revolutions {
+            let Some(TruthPlace { kind, ways }) = seen.true_here else { continue };
+            let is_right = is_right(seen.answer.here.as_ref().expect("a full turn"), seen.true_here);
+            let entry = right.entry(format!("{name} {kind:?} {ways}")).or_default();
+            entry[0] += usize::from(is_right);
+            entry[1] += 1;
+        }
     }
     for (of, [right, all]) in &right {
         println!("{of}: {right} of {all}");
