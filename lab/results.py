@@ -23,7 +23,7 @@ def percent(share: float | None) -> float | None:
 
 
 def evaluation(path: Path) -> dict:
-    """Of the JSON of `crosscut evaluate`: shares in %, by family and configuration."""
+    """Of the JSON of `crosscut compare`: shares in %, by family and configuration."""
     document = json.loads(path.read_text())
     rows = [(family["family"], family["results"]) for family in document["families"]] + [("all", document["all"])]
     measures: dict[str, Callable] = {
@@ -131,13 +131,13 @@ def recording(path: Path) -> dict:
 SECTIONS: dict[str, tuple[str, list[str], str, Callable]] = {
     "simulated": (
         "Simulated scenes, report seeds",
-        ["crosscut simulate --suite all --split report --out target/report", f"crosscut evaluate target/report {EVALUATE}"],
+        ["crosscut simulate --suite all --split report --out target/report", f"crosscut compare target/report {EVALUATE}"],
         "simulated.json",
         evaluation,
     ),
     "places": (
         "Places of another generator",
-        ["tests/foreign/run places target/places/report --count 300 --seed 202", f"crosscut evaluate target/places/report {EVALUATE}"],
+        ["tests/foreign/run places target/places/report --count 300 --seed 202", f"crosscut compare target/places/report {EVALUATE}"],
         "places.json",
         evaluation,
     ),
@@ -145,7 +145,7 @@ SECTIONS: dict[str, tuple[str, list[str], str, Callable]] = {
         "What real lidars do",
         [
             "tests/foreign/run places target/places/effects --count 60 --seed 303 --effects",
-            "crosscut evaluate target/places/effects --with paper --with clear_width --with default",
+            "crosscut compare target/places/effects --with paper --with clear_width --with default",
         ],
         "effects.json",
         evaluation,

@@ -1,5 +1,6 @@
-//! `crosscut compare`: the effect of a setting on a flight without truth.
+//! `crosscut compare`: where configurations differ, and grids of settings.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde_json::Value;
@@ -48,7 +49,7 @@ fn a_configuration_against_itself_differs_nowhere() {
         assert_eq!(figures[measure]["share"], 1.0, "{measure}");
     }
     assert_eq!(figures["stretches"], serde_json::json!([]));
-    let shown = compare(&shipped_flight(), &["default", "default"], &[]).expect_code(0).stdout;
+    let shown = compare(&shipped_flight(), &["default", "default"], &["--details"]).expect_code(0).stdout;
     for nothing in ["settings that differ: none", "stretches where the walls of default and default differ: none"] {
         assert!(shown.contains(nothing), "{nothing} in:\n{shown}");
     }
@@ -79,7 +80,8 @@ fn a_scan_left_out_shifts_no_answer() {
 
 #[test]
 fn single_settings_make_a_configuration_and_the_table_shows_them() {
-    let ran = compare(&shipped_flight(), &["paper", "paper,affinity.sigma_per_m2=3,kmeans.seed=7"], &[]).expect_code(0);
+    let ran = compare(&shipped_flight(), &["paper", "paper,affinity.sigma_per_m2=3,kmeans.seed=7"], &["--details"])
+        .expect_code(0);
     let rows: Vec<Vec<_>> = ran.stdout.lines().map(|line| line.split_whitespace().collect()).collect();
     assert!(rows.contains(&vec!["affinity.sigma_per_m2", "1.5", "3.0"]), "{}", ran.stdout);
     assert!(rows.contains(&vec!["kmeans.seed", "0", "7"]), "{}", ran.stdout);
@@ -90,17 +92,18 @@ fn single_settings_make_a_configuration_and_the_table_shows_them() {
 }
 
 #[test]
-fn a_failing_configuration_ends_the_comparison_but_keeps_its_start() {
+fn a_failing_configuration_is_named_and_the_others_are_compared() {
     // A dense W of 342 returns and its working memory need more than 2 MB.
-    let small = ["default", "paper,pipeline.memory_mb=2"];
+    let small = ["default", "paper,pipeline.memory_mb=2", "threshold"];
     let ran = compare(&shipped_flight(), &small, &["--json", "-"]).expect_code(1);
     assert!(
-        ran.stderr.contains("error: paper,pipeline.memory_mb=2: affinity failed on revolution 0"),
+        ran.stderr.contains("error: paper,pipeline.memory_mb=2: ") && ran.stderr.contains("failed on revolution 0: "),
         "{}",
         ran.stderr
     );
     let found: Value = serde_json::from_str(&ran.stdout).expect("the output is JSON");
-    assert_eq!(found["comparisons"][0]["figures"]["same_count"]["of"], 0);
+    let compared = |other: usize| found["comparisons"][other]["figures"]["same_count"]["of"].clone();
+    assert_eq!([compared(0), compared(1)], [0, 141]);
 }
 
 #[test]
@@ -115,7 +118,8 @@ fn a_truncated_recording_is_compared_to_its_end() {
 #[test]
 fn comparing_parts_out_of_order_is_noted() {
     let flight = shipped_flight();
-    let twice = compare(&flight, &["default", "default"], &[flight.to_str().expect("a path in UTF-8")]).expect_code(0);
+    let again = [flight.to_str().expect("a path in UTF-8"), "--join"];
+    let twice = compare(&flight, &["default", "default"], &again).expect_code(0);
     assert!(twice.stderr.contains("note: time goes back at 1 scan;"), "{}", twice.stderr);
     let once = compare(&flight, &["default", "default"], &[]).expect_code(0);
     assert!(!once.stderr.contains("goes back"), "{}", once.stderr);
@@ -125,7 +129,6 @@ fn comparing_parts_out_of_order_is_noted() {
 fn one_configuration_or_an_unknown_one_is_wrong_usage() {
     let flight = shipped_flight();
     let refused = |with: &[&str], more: &[&str]| compare(&flight, with, more).expect_code(2).stderr;
-    assert!(refused(&["default"], &[]).contains("at least two"));
     assert!(refused(&["default", "papper"], &[]).contains("there are: paper, default"));
     assert!(refused(&["default", "paper,affinity.sigma=3"], &[]).contains("did you mean sigma_per_m2?"));
     for with in ["paper,mine.toml", "mine.toml"] {
@@ -173,7 +176,8 @@ fn seconds_count_from_the_beginning_of_the_flight() {
     let flight = shipped_flight();
     let stamps_ns = column(&results_of(&flight, &[]).1, "stamp_ns");
     // The first selected scan is some time after 5.02 s.
-    let shown = compare(&flight, &["default", "paper"], &["--from", "5.02", "--every", "4", "--all"]).expect_code(0);
+    let shown =
+        compare(&flight, &["default", "paper"], &["--from", "5.02", "--every", "4", "--details"]).expect_code(0);
     let (_, stretches) = shown.stdout.split_once("stretches where").expect("the table of stretches");
     let rows = stretches.lines().map(|line| line.split_whitespace().collect::<Vec<_>>());
     let rows: Vec<_> = rows.filter(|row| row.first().is_some_and(|cell| cell.parse::<u64>().is_ok())).collect();
@@ -200,54 +204,6 @@ fn an_unreadable_flight_fails_the_comparison() {
     assert!(!ran.stderr.contains("no scan has a return"), "untrue: {}", ran.stderr);
 }
 
-/// Compares the shipped flight with what is kept in a folder.
-fn golden(folder: &Path, more: &[&str]) -> Ran {
-    let (flight, folder) = (shipped_flight().display().to_string(), folder.display().to_string());
-    run(["compare", &flight, "--golden", &folder].into_iter().chain(more.iter().copied()))
-}
-
-#[test]
-fn a_changed_gain_is_named_by_its_stage_against_what_was_kept() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    golden(folder.path(), &[]).expect_code(2); // nothing is kept
-    golden(folder.path(), &["--update"]).expect_code(0);
-    let same = golden(folder.path(), &[]).expect_code(0).stdout;
-    assert!(same.contains("all 141 as kept"), "{same}");
-
-    let xml = folder.path().join("golden.xml");
-    let junit = ["--set", "affinity.leak=1.1e-8", "--junit", xml.to_str().expect("a path in UTF-8")];
-    let ran = golden(folder.path(), &junit).expect_code(1);
-    assert!(ran.stdout.starts_with("revolution 0 differs: affinity: W[2] was "), "{}", ran.stdout);
-    assert!(ran.stdout.contains(" of 141 differ: "), "{}", ran.stdout);
-    assert!(ran.stderr.contains("leak = 1.1e-8"), "{}", ran.stderr);
-    let xml = std::fs::read_to_string(xml).expect("written");
-    assert!(xml.contains("tests=\"141\"") && xml.contains("<failure message=\"affinity: W[2] was "), "{xml}");
-
-    let ran =
-        golden(folder.path(), &["--set", "kmeans.kind=kmeans++", "--set", "report.min_returns=40"]).expect_code(1);
-    assert!(ran.stdout.contains("differs: report: "), "an earlier stage is blamed: {}", ran.stdout);
-    let ran = golden(folder.path(), &["--to", "5"]).expect_code(1);
-    assert!(ran.stdout.starts_with("revolution 51 differs: it is missing now"), "{}", ran.stdout);
-}
-
-#[test]
-fn tolerances_are_by_value_stay_at_updates_and_are_checked() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let update = |with: &str| golden(folder.path(), &["--with", with, "--update"]).expect_code(0);
-    let with = |with: &str, code| golden(folder.path(), &["--with", with]).expect_code(code);
-    update("paper");
-    let tolerances = folder.path().join("tolerance.json");
-    with("paper,spectral.zero_tolerance=1.001e-4", 1);
-    let own = r#"{"default": 1e-9, "tolerance": 0.5, "confidence": 0.1}"#;
-    std::fs::write(&tolerances, own).expect("a file");
-    update("paper");
-    assert_eq!(std::fs::read_to_string(&tolerances).expect("there"), own);
-    with("paper,spectral.zero_tolerance=1.001e-7", 0);
-    std::fs::write(&tolerances, r#"{"eigenvalue": 1}"#).expect("a file");
-    let refused = with("paper", 2).stderr;
-    assert!(refused.contains("did you mean eigenvalues?"), "{refused}");
-}
-
 #[test]
 fn a_comparison_begins_with_its_conclusion() {
     let ran = compare(&shipped_flight(), &["default", "paper"], &[]).expect_code(0);
@@ -257,11 +213,8 @@ fn a_comparison_begins_with_its_conclusion() {
             && first.contains("exact McNemar p = "),
         "{first}"
     );
-    assert!(
-        ran.stdout.contains("default and paper differ in 70 of 141; their confidences follow two rules"),
-        "{}",
-        ran.stdout
-    );
+    let details = compare(&shipped_flight(), &["default", "paper"], &["--details"]).expect_code(0).stdout;
+    assert!(details.contains("default and paper differ in 70 of 141; their confidences follow two rules"), "{details}");
     let json = json(&shipped_flight(), &["default", "paper"]);
     let verdict = &json["verdicts"][0];
     let count = |name: &str| verdict["families"][0][name].as_array().expect("a list").len();
@@ -273,4 +226,105 @@ fn a_comparison_begins_with_its_conclusion() {
     let input = file(folder.path(), "tunnel.mcap", &bytes(&scans, &Writing::default()));
     let ran = compare(&input, &["default", "paper"], &[]).expect_code(0);
     assert!(ran.stdout.starts_with("default and paper differ in "), "{}", ran.stdout);
+    let alone = compare(&input, &["default"], &[]).expect_code(2).stderr;
+    assert!(alone.contains("there is no truth (/truth) in ") && alone.contains("name two"), "{alone}");
+}
+
+/// The cells of a CSV file without quotes, by row and column.
+fn cells(text: &str) -> Vec<BTreeMap<String, String>> {
+    let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
+    let header = lines.next().expect("a header");
+    lines.map(|cells| header.iter().cloned().zip(cells).collect()).collect()
+}
+
+#[test]
+fn a_grid_is_every_combination_and_its_rows_are_those_of_single_configurations() {
+    let grid = ["--grid", "report.min_returns=1,3", "--grid", "vehicle.width_m=0.6,1.2", "--quiet", "--csv", "-"];
+    // Names of single settings have no comma, which would be quoted.
+    let rows = cells(&compare(&shipped_flight(), &[], &grid[2..]).expect_code(0).stdout);
+    let values: Vec<&str> = rows.iter().map(|row| row["vehicle.width_m"].as_str()).collect();
+    assert_eq!((values, rows[1]["configuration"].as_str()), (vec!["0.6", "1.2"], "width_m=1.2"));
+    let with = ["default", "default,vehicle.width_m=1.2"];
+    let alone = json(&shipped_flight(), &with);
+    for (row, result) in rows.iter().zip(alone["all"].as_array().expect("configurations")) {
+        let share = result["figures"]["right"]["share"].as_f64().expect("a share");
+        assert_eq!(row["right"].parse(), Ok(share), "{row:?}");
+        assert_eq!((row["revolutions"].as_str(), row["failed"].as_str()), ("141", "0"));
+    }
+    let by_both = compare(&shipped_flight(), &["a=paper", "b=default"], &grid).expect_code(0).stdout;
+    assert_eq!(by_both.lines().count(), 1 + 2 * 4);
+    assert!(by_both.contains("tee,\"b,min_returns=3,width_m=1.2\",3,1.2,141,"), "{by_both}");
+    let shown = compare(&shipped_flight(), &["paper"], &grid[..2]).expect_code(0).stdout;
+    assert!(
+        shown.starts_with("against paper,min_returns=1: paper,min_returns=3 mends 32 and breaks 0 of 141"),
+        "{shown}"
+    );
+    let preset = compare(&shipped_flight(), &[], &["--grid", "affinity.sigma=1,2"]).expect_code(2).stderr;
+    assert!(preset.contains("--grid at affinity.sigma=1: "), "{preset}");
+}
+
+#[test]
+fn files_have_the_same_bytes_whenever_flights_end() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let flights: Vec<_> = (0..4).map(|number| folder.path().join(format!("flight{number}.mcap"))).collect();
+    for (number, flight) in flights.iter().enumerate() {
+        std::fs::write(flight, tunnel(3 + 20 * (number as u64 % 2), &Writing::default())).expect("written");
+    }
+    let made = |number: usize| {
+        let at = |name: &str| folder.path().join(format!("{name}{number}")).display().to_string();
+        let (json, csv) = (at("json"), at("csv"));
+        let more = ["--json", &json, "--csv", &csv, "--quiet", "--details"];
+        compare(folder.path(), &["default", "threshold"], &more).expect_code(0);
+        [json, csv].map(|path| std::fs::read(path).expect("written"))
+    };
+    let first = made(0);
+    assert_eq!(made(1), first);
+    let rows = String::from_utf8(first[1].clone()).expect("text");
+    let names: Vec<&str> = rows.lines().skip(1).step_by(2).filter_map(|row| row.split(',').next()).collect();
+    assert_eq!(names, ["flight0", "flight1", "flight2", "flight3"]);
+}
+
+#[test]
+fn what_comes_as_it_comes_is_compared_on_the_same_scans() {
+    let compared = |with: &[&str]| {
+        let with = with.iter().flat_map(|name| ["--with", name]);
+        let mut command = crosscut(["compare", "-", "--json", "-"].into_iter().chain(with));
+        command.stdin(std::fs::File::open(shipped_flight()).expect("it ships"));
+        Ran::from(command.output().expect("it runs"))
+    };
+    let with = ["default", "default,affinity.kind=threshold"];
+    let found = compared(&with).expect_code(0);
+    let found: Value = serde_json::from_str(&found.stdout).expect("JSON");
+    let of_file = json(&shipped_flight(), &with)["comparisons"].clone();
+    let figures = |of: &Value| ["same_count", "same_walls", "returns_alike"].map(|name| of[0]["figures"][name].clone());
+    assert_eq!(figures(&found["comparisons"]), figures(&of_file));
+    let once = compared(&["default", "paper"]).expect_code(0).stderr;
+    assert!(once.contains("ingest.deskew=false of paper has no effect"), "{once}");
+    let followed = compare(&shipped_flight(), &with, &["--follow", "--json", "-"]).expect_code(0);
+    let followed: Value = serde_json::from_str(&followed.stdout).expect("JSON");
+    assert_eq!(figures(&followed["comparisons"]), figures(&of_file));
+}
+
+#[test]
+fn a_retired_command_names_what_to_type_now() {
+    let said = run(["evaluate", "scenes/", "--with", "paper"]).expect_code(2).stderr;
+    assert!(said.contains("`evaluate` is no longer a command; type: crosscut compare FILES..."), "{said}");
+}
+
+#[cfg(feature = "rerun")]
+#[test]
+fn a_recording_is_answered_and_compared_again_with_other_settings() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let rrd = folder.path().join("tee.rrd");
+    let (flight, saved) = (shipped_flight().display().to_string(), rrd.display().to_string());
+    run(["run", &flight, "--quiet", "--preset", "paper", "--save", &saved]).expect_code(0);
+    let zeros = "spectral.zero_tolerance=1e-8";
+    let shown = compare(&rrd, &[&saved, &format!("zeros={saved},{zeros}")], &[]).expect_code(0).stdout;
+    assert!(shown.contains("zeros mends 1 and breaks 66 of 141"), "{shown}");
+    let labels = |input: &Path| {
+        let (ran, lines) = results_of(input, &["--preset", "paper", "--set", zeros]);
+        ran.expect_code(0);
+        lines.iter().map(|line| line["labels"].clone()).collect::<Vec<_>>()
+    };
+    assert_eq!(labels(&rrd), labels(&shipped_flight()));
 }

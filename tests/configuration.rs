@@ -79,13 +79,12 @@ fn numbers_that_are_refused_say_what_they_must_be() {
     for (command, says) in [
         ("run x --every 0", "a whole number from 1 on"),
         ("run x --every -1", "a whole number from 1 on"),
-        ("sweep x --grid preset=paper -o y --jobs 0", "a whole number from 1 on"),
         ("explore loops --count 0", "a whole number from 1 on"),
         ("simulate tee --drift -1", "from 0 to 0.5"),
         ("simulate tee --seed -1", "a whole number from 0 on"),
         ("debug x --at -3", "a whole number from 0 on"),
         ("view x --at -3", "a whole number from 0 on"),
-        ("sweep x --grid vehicle.width_m=0.6,0.60 -o y", "vehicle.width_m has the value 0.60 twice"),
+        ("compare x --grid vehicle.width_m=0.6,0.60", "vehicle.width_m has the value 0.60 twice"),
         ("config --set affinity.kind=python:bad", "python:MODULE.FUNCTION"),
     ] {
         let said = run(command.split(' ')).expect_code(2).stderr;

@@ -287,36 +287,6 @@ fn a_recording_answers_otherwise_than_the_flight_it_was_made_of() {
     assert_eq!(flown.stdout.lines().take(of_recording.len()).collect::<Vec<_>>(), of_recording);
 }
 
-#[cfg(feature = "rerun")]
-#[test]
-fn a_replay_changes_what_it_is_not_told_to() {
-    use crate::program::run;
-
-    let folder = tempfile::tempdir().expect("a folder");
-    let rrd = folder.path().join("tee.rrd").display().to_string();
-    let flight = shipped_flight().display().to_string();
-    run(["run", &flight, "--quiet", "--preset", "paper", "--save", &rrd]).expect_code(0);
-    let same = run(["replay", &rrd, "--from", "kmeans"]).expect_code(0).stdout;
-    assert!(same.contains("A and now differ in 0 of 141"), "{same}");
-    let zeros = "spectral.zero_tolerance=1e-8";
-    let changed = run(["replay", &rrd, "--from", "spectral", "--set", zeros]).expect_code(0).stdout;
-    assert!(changed.contains("now mends 1 and breaks 66 of 141"), "{changed}");
-    let refused = run(["replay", &rrd, "--from", "report", "--set", zeros]).expect_code(2);
-    assert!(refused.stderr.contains("replay from spectral"), "{}", refused.stderr);
-
-    // The labels of one revolution by another program: all of its returns are one cluster.
-    let dir = folder.path().display().to_string();
-    let labels = folder.path().join("labels-107.npy").display().to_string();
-    run(["replay", &rrd, "--from", "report", "--given", &dir]).expect_code(1);
-    let zeroed = format!("seek 107\nget labels {labels}\n");
-    play(&["--preset", "paper"], &zeroed).expect_code(0);
-    let mut bytes = std::fs::read(&labels).expect("the file is there");
-    bytes[192..].fill(0);
-    std::fs::write(&labels, bytes).expect("it can be written");
-    let given = run(["replay", &rrd, "--from", "report", "--given", &dir]).expect_code(0).stdout;
-    assert!(given.contains("labels of 1 given") && given.contains("differ in 1 of 141"), "{given}");
-}
-
 #[test]
 #[cfg(feature = "rerun")]
 fn recordings_that_are_cut_off_or_put_together_say_so() {

@@ -1,4 +1,4 @@
-//! `crosscut evaluate`, on recordings of this project and on others.
+//! `crosscut compare` where the truth is known, on recordings of this project and on others.
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -54,7 +54,7 @@ fn folder() -> tempfile::TempDir {
 }
 
 fn evaluate(input: &Path, more: &[&str]) -> Ran {
-    run([&["evaluate", input.to_str().expect("a path in UTF-8")], more].concat())
+    run([&["compare", input.to_str().expect("a path in UTF-8")], more].concat())
 }
 
 fn json_of(ran: &Ran) -> Value {
@@ -96,22 +96,11 @@ fn configurations_stand_side_by_side_by_family_and_in_all() {
 }
 
 #[test]
-fn markdown_and_details_hold_every_table() {
-    let folder = folder();
-    let input = recording(folder.path(), "a|b.mcap", &[Some(tunnel_truth())]);
-    let ran = evaluate(&input, &["--markdown", "-", "--details"]).expect_code(0);
-    let titles = ran.stdout.lines().filter(|line| line.starts_with("**")).count();
-    let rules = ran.stdout.lines().filter(|line| line.starts_with("|--")).count();
-    assert_eq!((titles, rules), (8, 8), "{}", ran.stdout);
-    assert!(ran.stdout.contains("a\\|b"), "a bar in a name must not end its cell: {}", ran.stdout);
-}
-
-#[test]
 fn without_truth_evaluation_fails_and_writes_nothing() {
     let folder = folder();
     let input = recording(folder.path(), "unlabelled.mcap", &[None, None]);
     let json = folder.path().join("out.json");
-    let ran = evaluate(&input, &["--json", json.to_str().expect("a path in UTF-8")]).expect_code(1);
+    let ran = evaluate(&input, &["--json", json.to_str().expect("a path in UTF-8")]).expect_code(2);
     assert!(ran.stderr.contains("/truth") && ran.stderr.contains("unlabelled.mcap"), "{}", ran.stderr);
     assert!(!json.exists());
 }
@@ -130,9 +119,6 @@ fn scans_that_cannot_be_compared_are_reported_with_code_3() {
     let page = folder.path().join("gaps.html");
     run([Path::new("report"), &input, Path::new("--out"), &page]).expect_code(3);
     assert!(std::fs::read_to_string(&page).expect("written").contains("<li>2 scans cannot be compared"));
-    let grid = ["sweep", "--grid", "preset=default,threshold", "--out"].map(Path::new);
-    let swept = run(grid.into_iter().chain([folder.path().join("sweep").as_path(), &input])).expect_code(3).stderr;
-    assert!(swept.contains("lost: 2 scans cannot be compared") && swept.contains("of 1 scan,"), "{swept}");
 }
 
 #[test]
@@ -161,52 +147,10 @@ fn wrong_usage_is_refused_before_anything_runs() {
     let flight = shipped_flight();
     let refused = |more: &[&str]| evaluate(&flight, more).expect_code(2).stderr;
     assert!(refused(&["--with", "papper"]).contains("there are: paper, default"));
-    assert!(refused(&["--json", "-", "--markdown", "-"]).contains("the same file"));
+    assert!(refused(&["--json", "-", "--csv", "-"]).contains("would be overwritten"));
     assert!(refused(&["--json", flight.to_str().expect("a path in UTF-8")]).contains("would be overwritten"));
     assert!(refused(&["--with", "paper", "--set", "affinity.sigma=1"]).contains("did you mean sigma_per_m2?"));
     assert!(root().join("recordings/tee.mcap").metadata().expect("it is still there").len() > 1000);
-}
-
-#[test]
-fn only_wrong_answers_are_drawn_beside_the_truth() {
-    let folder = folder();
-    let drawn = folder.path().join("drawn");
-    let draw = |truth: Value| {
-        let input = recording(folder.path(), "hand.mcap", &[Some(truth)]);
-        let drawn_path = drawn.to_str().expect("a path in UTF-8");
-        evaluate(&input, &["--quiet", "--draw-wrong", drawn_path]).expect_code(0);
-        std::fs::read_to_string(drawn.join("hand-default.svg"))
-    };
-    assert!(draw(tunnel_truth()).is_err(), "all is right, so there is nothing to draw");
-    let mut other = tunnel_truth();
-    other["walls"] = 3.into();
-    let svg = draw(other).expect("a figure");
-    assert!(svg.contains("scene 0: 3 walls") && svg.contains("answer: 2 walls"), "{svg}");
-    let list = std::fs::read_to_string(drawn.join("hand-default.csv")).expect("a list");
-    let rows: Vec<_> = list.lines().collect();
-    assert_eq!(rows[0], "seq,stamp_ns,true_walls,junctions,k,confidence,place");
-    assert!(rows.len() == 2 && rows[1].starts_with("0,") && rows[1].contains(",3,2,2,"), "{list}");
-}
-
-#[test]
-fn a_bad_folder_for_pictures_is_refused_before_the_work() {
-    let folder = folder();
-    let input = recording(folder.path(), "hand.mcap", &[Some(tunnel_truth())]);
-    let file = file(folder.path(), "drawn", b"no folder");
-    let ran = evaluate(&input, &["--draw-wrong", file.to_str().expect("a path in UTF-8")]).expect_code(1);
-    assert!(ran.stderr.contains("drawn") && ran.stdout.is_empty(), "{}{}", ran.stderr, ran.stdout);
-}
-
-#[test]
-fn a_high_wall_number_does_not_slow_the_drawing() {
-    let folder = folder();
-    let mut truth = tunnel_truth();
-    truth["walls"] = 2_000_000_000_u32.into();
-    truth["labels"][3] = 1_999_999_999_u32.into();
-    let input = recording(folder.path(), "hand.mcap", &[Some(truth)]);
-    let drawn = folder.path().join("drawn");
-    evaluate(&input, &["--quiet", "--draw-wrong", drawn.to_str().expect("a path in UTF-8")]).expect_code(0);
-    assert!(drawn.join("hand-default.svg").exists());
 }
 
 #[test]
@@ -234,24 +178,6 @@ fn settings_that_change_the_scans_are_noted() {
 }
 
 #[test]
-fn two_families_or_configurations_of_one_name_are_refused() {
-    let folder = folder();
-    let at = |name: &str| folder.path().join(name).to_str().expect("a path in UTF-8").to_owned();
-    for sub in ["a", "b"] {
-        std::fs::create_dir(at(sub)).expect("made");
-        recording(folder.path(), &format!("{sub}/tunnel.mcap"), &[Some(tunnel_truth())]);
-        std::fs::write(at(&format!("{sub}/mine.toml")), "").expect("written");
-    }
-    let said = |command: &[&str]| run([&["evaluate"], command].concat()).expect_code(2).stderr;
-    let text = said(&[&at("a/tunnel.mcap"), &at("b/tunnel.mcap")]);
-    assert!(text.contains("two families are named tunnel"), "{text}");
-    let text = said(&[&at("a"), "--with", &at("a/mine.toml"), "--with", &at("a/mine.toml")]);
-    assert!(text.contains("two configurations are named mine"), "{text}");
-    let ran = run(["evaluate", &at("a"), "--with", &at("a/mine.toml"), "--with", &at("b/mine.toml")]).expect_code(0);
-    assert!(ran.stdout.contains(&at("a/mine.toml")) && ran.stdout.contains(&at("b/mine.toml")), "{}", ran.stdout);
-}
-
-#[test]
 fn a_flight_through_a_known_mine_is_judged_as_a_flight() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let flight = folder.path().join("tee.mcap");
@@ -260,8 +186,7 @@ fn a_flight_through_a_known_mine_is_judged_as_a_flight() {
     let by_odometry = "default,flight.pose=odometry".as_ref();
     let with =
         ["--with".as_ref(), "default".as_ref(), "--with".as_ref(), by_odometry, "--json".as_ref(), json.as_os_str()];
-    let ran = run([&["evaluate".as_ref(), flight.as_os_str()], &with[..]].concat()).expect_code(0);
-    assert!(ran.stderr.contains("ms a revolution"), "{}", ran.stderr);
+    let ran = run([&["compare".as_ref(), flight.as_os_str()], &with[..]].concat()).expect_code(0);
     assert!(ran.stdout.contains("flights: % of the revolutions whose place is right"), "{}", ran.stdout);
     assert!(ran.stdout.contains("every change") && ran.stdout.contains("8 m radius"), "{}", ran.stdout);
     let figures: serde_json::Value = serde_json::from_slice(&std::fs::read(&json).expect("written")).expect("JSON");
@@ -297,22 +222,14 @@ fn several_configurations_begin_with_a_verdict_on_each_by_family() {
 }
 
 #[test]
-fn runs_are_kept_listed_and_compared() {
+fn flights_of_one_name_are_named_by_their_paths() {
     let folder = folder();
-    let log = folder.path().join("runs.jsonl").display().to_string();
-    let flight = shipped_flight().display().to_string();
-    run(["run", &flight, "--quiet", "--log", &log]).expect_code(0);
-    evaluate(&shipped_flight(), &["--with", "default", "--with", "paper", "--quiet", "--log", &log]).expect_code(0);
-    let all = run(["runs", &log]).expect_code(0).stdout;
-    assert_eq!(all.lines().filter(|line| line.contains("tee.mcap")).count(), 3, "{all}");
-    let paper = run(["runs", &log, "--where", "affinity.kind=\"rbf\""]).expect_code(0).stdout;
-    assert!(paper.lines().filter(|line| line.contains("tee.mcap")).all(|line| line.contains("evaluate")), "{paper}");
-    let differ = run(["runs", &log, "--diff", "2", "3"]).expect_code(0).stdout;
-    let row = |name: &str| {
-        differ.lines().find(|line| line.contains(name)).map(|line| line.split_whitespace().last().map(str::to_owned))
-    };
-    assert_eq!(row("right_count").flatten().as_deref(), Some("0.6099"), "{differ}");
-    assert!(row("affinity.kind").is_some() && row("build").is_none() && row("hashes").is_none(), "{differ}");
-    run(["runs", &log, "--diff", "2", "9"]).expect_code(2);
-    run(["runs", &flight]).expect_code(1);
+    for sub in ["a", "b"] {
+        std::fs::create_dir(folder.path().join(sub)).expect("made");
+        recording(folder.path(), &format!("{sub}/tunnel.mcap"), &[Some(tunnel_truth())]);
+    }
+    let both = ["a", "b"].map(|sub| folder.path().join(sub).join("tunnel.mcap").display().to_string());
+    let families = json_of(&run(["compare", &both[0], &both[1], "--json", "-"]).expect_code(0))["families"].clone();
+    let names: Vec<_> = families.as_array().expect("a list").iter().filter_map(|of| of["family"].as_str()).collect();
+    assert_eq!(names, both);
 }

@@ -20,7 +20,7 @@ fn default_is_right_on_report_scenes_as_published() {
         write_mcap(&folder.path().join(format!("{}.mcap", suite.name)), scenes).expect("written");
     }
     let input = folder.path().to_str().expect("UTF-8");
-    let ran = run(["evaluate", input, "--quiet", "--json", "-"]).expect_code(0);
+    let ran = run(["compare", input, "--quiet", "--json", "-"]).expect_code(0);
     let figures: Value = serde_json::from_str(&ran.stdout).expect("JSON");
     let right = &figures["all"][0]["figures"]["right"];
     assert!(right["of"].as_u64() >= Some(200), "{right}");

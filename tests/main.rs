@@ -31,7 +31,6 @@ mod sensors;
 #[cfg(feature = "rerun")]
 mod serving;
 mod simulation;
-mod sweeping;
 #[cfg(all(unix, feature = "rerun"))]
 mod viewing;
 mod writing;

@@ -39,14 +39,11 @@ fn the_input_is_never_overwritten() {
     for input in ["@flight.mcap", "@"] {
         refused(folder.path(), &format!("run {input} --results @flight.mcap"));
         refused(folder.path(), &format!("run {input} --results @../{}/flight.mcap", name(folder.path())));
-        refused(folder.path(), &format!("evaluate {input} --json @flight.mcap"));
+        refused(folder.path(), &format!("compare {input} --json @flight.mcap"));
     }
     // A table is a recording, too.
-    for name in ["sweep.csv", "flight-default.csv"] {
-        std::fs::copy(folder.path().join("flight.mcap"), folder.path().join(name)).expect("copied");
-    }
-    refused(folder.path(), "sweep @sweep.csv --grid preset=paper --out @");
-    refused(folder.path(), "evaluate @flight.mcap @flight-default.csv --draw-wrong @");
+    std::fs::copy(folder.path().join("flight.mcap"), folder.path().join("table.csv")).expect("copied");
+    refused(folder.path(), "compare @table.csv --with default --with paper --csv @table.csv");
 }
 
 fn name(folder: &Path) -> &str {
@@ -63,8 +60,7 @@ fn the_input_is_not_overwritten_through_a_link() {
     for link in ["hard", "soft"] {
         refused(folder.path(), &format!("run @flight.mcap --results @{link}"));
         refused(folder.path(), &format!("run @flight.mcap --save @{link}"));
-        refused(folder.path(), &format!("evaluate @flight.mcap --json @{link}"));
-        refused(folder.path(), &format!("evaluate @flight.mcap --markdown @{link}"));
+        refused(folder.path(), &format!("compare @flight.mcap --csv @{link}"));
         refused(folder.path(), &format!("compare @flight.mcap --with default --with paper --json @{link}"));
     }
 }
@@ -76,7 +72,7 @@ fn one_file_under_two_names_is_not_written_twice() {
     let at = |name: &str| folder.path().join(name);
     std::fs::write(at("a.out"), "").expect("written");
     std::fs::hard_link(at("a.out"), at("b.out")).expect("a link");
-    refused(folder.path(), "evaluate @flight.mcap --json @a.out --markdown @b.out");
+    refused(folder.path(), "compare @flight.mcap --json @a.out --csv @b.out");
     refused(folder.path(), "run @flight.mcap --results @a.out --save @b.out");
     let other_way = format!("@../{}/new", name(folder.path()));
     refused(folder.path(), &format!("run @flight.mcap --results @new --save {other_way}"));
@@ -92,8 +88,7 @@ fn the_configuration_file_is_never_overwritten() {
         std::fs::copy(folder.path().join("settings.toml"), folder.path().join(name)).expect("copied");
         refused(folder.path(), &format!("{command} @flight.mcap --config @{name} --out @{name}"));
     }
-    refused(folder.path(), "evaluate @flight.mcap --with @settings.toml --json @settings.toml");
-    refused(folder.path(), "evaluate @flight.mcap --with @settings.toml,affinity.kind=rbf --markdown @settings.toml");
+    refused(folder.path(), "compare @flight.mcap --with @settings.toml,affinity.kind=rbf --csv @settings.toml");
     refused(folder.path(), "compare @flight.mcap --with default --with @settings.toml --json @settings.toml");
 }
 
@@ -105,7 +100,6 @@ fn a_later_part_never_replaces_another_file() {
     std::fs::rename(at("flight.mcap"), at("in-2.rrd")).expect("renamed");
     std::fs::rename(at("settings.toml"), at("in-7.out")).expect("renamed");
     refused(folder.path(), "run @in-2.rrd --save @in.rrd --set recording.part_revolutions=50");
-    refused(folder.path(), "run @in-2.rrd --save @z.rrd --log @z-2.rrd --set recording.part_revolutions=50");
     refused(folder.path(), "run @in-2.rrd --config @in-7.out --save @in.out");
     #[cfg(unix)]
     {

@@ -26,8 +26,6 @@ struct Output {
     command: &'static str,
     /// The output.
     out: &'static str,
-    /// The file of interest, where the output is a folder.
-    file: &'static str,
     holds: Holds,
 }
 
@@ -48,7 +46,7 @@ enum Holds {
 }
 
 const fn output(command: &'static str, out: &'static str, holds: Holds) -> Output {
-    Output { command, out, file: out, holds }
+    Output { command, out, holds }
 }
 
 const OUTPUTS: &[Output] = &[
@@ -61,26 +59,7 @@ const OUTPUTS: &[Output] = &[
     output("report FLIGHT --quiet --out @", "page.html", Holds::End("</html>\n")),
     output("convert FLIGHT --out @", "converted.mcap", Holds::All),
     output("compare FLIGHT --quiet --with default --with threshold --json @", "c.json", Holds::Json),
-    output("evaluate FLIGHT --quiet --json @", "figures.json", Holds::Json),
-    output("evaluate FLIGHT --quiet --markdown @", "figures.md", Holds::All),
-    Output {
-        command: "evaluate FLIGHT --quiet --with threshold --draw-wrong @",
-        out: "wrong",
-        file: "wrong/tee-threshold.svg",
-        holds: Holds::All,
-    },
-    Output {
-        command: "sweep FLIGHT --quiet --grid vehicle.width_m=0.6,1.2 --out @",
-        out: "sweep",
-        file: "sweep/sweep.csv",
-        holds: Holds::All,
-    },
-    Output {
-        command: "sweep FLIGHT --quiet --grid vehicle.width_m=0.6,1.2 --out @",
-        out: "sweep",
-        file: "sweep/times.csv",
-        holds: Holds::End("\n"),
-    },
+    output("compare FLIGHT --quiet --grid vehicle.width_m=0.6,1.2 --csv @", "c.csv", Holds::All),
     output("simulate tee --quiet --out @", "tee.mcap", Holds::All),
     output("simulate --plan PLAN --quiet --out @", "plan.mcap", Holds::All),
     output("explore --plan PLAN --quiet --json @", "outcome.json", Holds::Json),
@@ -131,7 +110,7 @@ impl Output {
     /// A folder with an older file.
     fn folder(&self) -> tempfile::TempDir {
         let folder = tempfile::tempdir().expect("a temporary folder");
-        let file = folder.path().join(self.file);
+        let file = folder.path().join(self.out);
         fs::create_dir_all(file.parent().expect("it has one")).expect("made");
         fs::write(file, OLD).expect("written");
         folder
@@ -140,7 +119,7 @@ impl Output {
     /// Fails unless the file holds what it may. `all` is what the finished command leaves in it.
     #[track_caller]
     fn check(&self, folder: &Path, all: &[u8], when: &str) {
-        let file = folder.join(self.file);
+        let file = folder.join(self.out);
         let there = fs::read(&file).expect("there in any case");
         let is_right = there == OLD
             || match self.holds {
@@ -173,7 +152,7 @@ fn a_full_disk_leaves_older_files_and_has_words_and_an_exit_code() {
         let ran = limited(&output.words(folder.path()), 0);
         let said = format!("{} ended with {:?}: {}", output.command, ran.code, ran.stderr);
         assert!(matches!(ran.code, Some(1 | 3)) && ran.stderr.contains("File too large"), "{said}");
-        assert_eq!(fs::read(folder.path().join(output.file)).expect("there"), OLD, "{said}");
+        assert_eq!(fs::read(folder.path().join(output.out)).expect("there"), OLD, "{said}");
     }
 }
 
@@ -183,7 +162,7 @@ fn a_disk_that_fills_up_leaves_a_beginning_or_older_files() {
     for output in OUTPUTS {
         let folder = output.folder();
         run(output.words(folder.path()));
-        let all = fs::read(folder.path().join(output.file)).expect("there");
+        let all = fs::read(folder.path().join(output.out)).expect("there");
         let folder = output.folder();
         let half_kib = u32::try_from(all.len() / 1024).expect("small");
         let ran = limited(&output.words(folder.path()), half_kib);
@@ -197,12 +176,12 @@ fn a_disk_that_fills_up_leaves_a_beginning_or_older_files() {
 fn a_second_writer_is_refused_and_the_first_keeps_its_file() {
     for output in OUTPUTS {
         let folder = output.folder();
-        let held = Whole::create(&folder.path().join(output.file), Keep::ThroughKill).expect("nobody writes to it");
+        let held = Whole::create(&folder.path().join(output.out), Keep::ThroughKill).expect("nobody writes to it");
         let ran = run(output.words(folder.path()));
         let said = format!("{} ended with {:?}: {}", output.command, ran.code, ran.stderr);
         assert!(matches!(ran.code, Some(1 | 3)) && ran.stderr.contains("another program is writing to it"), "{said}");
         drop(held);
-        assert_eq!(fs::read(folder.path().join(output.file)).expect("there"), OLD, "{said}");
+        assert_eq!(fs::read(folder.path().join(output.out)).expect("there"), OLD, "{said}");
     }
 }
 
@@ -219,8 +198,8 @@ fn a_kill_at_any_moment_leaves_whole_or_older_files() {
         let start = Instant::now();
         let ran = run(output.words(folder.path()));
         assert_eq!(ran.code, Some(0), "{}: {}", output.command, ran.stderr);
-        let (all, took) = (fs::read(folder.path().join(output.file)).expect("written"), start.elapsed());
-        assert!(all != OLD, "{} writes {}", output.command, output.file);
+        let (all, took) = (fs::read(folder.path().join(output.out)).expect("written"), start.elapsed());
+        assert!(all != OLD, "{} writes {}", output.command, output.out);
         output.check(folder.path(), &all, "finished");
         for _ in 0..kills {
             let folder = output.folder();

@@ -45,7 +45,7 @@ def main() -> None:
             flights.append(folder / scenes if not Path(scenes).exists() else Path(scenes).resolve())
         configurations = ["--with", "default", "--with", "paper", "--with", MINE]
         found_here = os.environ | {"PYTHONPATH": os.pathsep.join([str(Path(__file__).resolve().parent), *sys.path])}
-        subprocess.run([*crosscut, "evaluate", *flights, *configurations], check=True, cwd=folder, env=found_here)
+        subprocess.run([*crosscut, "compare", *flights, *configurations], check=True, cwd=folder, env=found_here)
 
 
 if __name__ == "__main__":

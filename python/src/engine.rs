@@ -72,7 +72,7 @@ impl Engine {
             let mut work = Work { stages, sensor: self.config.sensor(), frame: Frame::default() };
             work.process(scan, seq)?;
             work.frame.notes.clear();
-            work.frame.notes.extend(notes);
+            work.frame.notes.extend(notes.into_iter().map(|note| (crosscut_stage::NoteCode::N101, note)));
             Ok(crosscut_recorder::why(&work.frame))
         });
         text.map_err(|failure: Failure| self.failed(py, &failure))

@@ -4,7 +4,7 @@ use std::sync::{Mutex, PoisonError};
 
 use crosscut_detector::{Config, Failure, Registry, nearest_and_all};
 use crosscut_flight::FlightAnswer;
-use crosscut_navigate::{Limits, Pilot, PlannerKind, Step, planners};
+use crosscut_navigate::{Limits, Pilot, PilotStep, PlannerKind, planners};
 use crosscut_report::VEHICLE_WIDTH_M;
 use crosscut_sensor::Live;
 use pyo3::exceptions::PyValueError;
@@ -54,9 +54,9 @@ impl Navigator {
                 frame.revolution.odometry = Some(pose);
             }
         })?;
-        let Step { command, doing, decision, end, .. } = step;
+        let PilotStep { command, doing, decision, end, .. } = step;
         let why = decision.map(|decision| decision.why);
-        Ok((command.speed_m_s, command.turn_rate_rad_s, doing, why, end.map(crosscut_navigate::End::name)))
+        Ok((command.speed_m_s, command.turn_rate_rad_s, doing, why, end.map(crosscut_navigate::MissionEnd::name)))
     }
 }
 

@@ -11,14 +11,13 @@ use crate::robots::Heard;
 use crate::stages::Found;
 
 /// Runs the command in `args`, of which the first is the program's name, and returns its exit code. `stages` are callables
-/// by `python:module.name`; each is a further kind of every stage. `build` identifies the code of this package and of them.
+/// by `python:module.name`; each is a further kind of every stage.
 /// `hear` hears live robots. `find` finds callables that are named at a prompt.
 #[pyfunction]
 pub(crate) fn program(
     py: Python<'_>,
     args: Vec<OsString>,
     stages: BTreeMap<String, Bound<'_, PyAny>>,
-    build: Option<String>,
     hear: Py<PyAny>,
     find: Py<PyAny>,
 ) -> u8 {
@@ -29,7 +28,7 @@ pub(crate) fn program(
     }
     let robots = Heard(hear);
     py.detach(|| {
-        let host = Host { build: build.as_deref(), robots: Some(&robots), kinds: Some(&kinds) };
+        let host = Host { robots: Some(&robots), kinds: Some(&kinds) };
         crosscut::run(args, &registry, &host)
     })
 }

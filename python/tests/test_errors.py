@@ -32,10 +32,10 @@ import crosscut
         (lambda: crosscut.results("absent.jsonl"), crosscut.ReadError, "there is no file absent.jsonl"),
         (lambda: crosscut.results(__file__), crosscut.ReadError, "has no lines of results"),
         (lambda: crosscut.results("."), crosscut.ReadError, "cannot be read"),
-        (lambda: crosscut.sweep("x", {}, "x"), ValueError, "grid names no setting"),
+        (lambda: crosscut.compare("x", "paper"), TypeError, "configurations are texts"),
         (lambda: crosscut.read("x", every=-1), ValueError, "every is 1 or more, not -1"),
         (lambda: crosscut.read("x", from_s="1"), TypeError, "from_s is a number of seconds, not '1'"),  # type: ignore[arg-type]
-        (lambda: crosscut.sweep("x", "x", "x"), TypeError, "grid is a mapping"),  # type: ignore[arg-type]
+        (lambda: crosscut.compare("x", grid="x"), TypeError, "grid is a mapping"),  # type: ignore[arg-type]
         (lambda: crosscut.Scan([1.0], 0, 0.1, stamp_ns=-1), ValueError, "-1 is not from 0"),
         (lambda: crosscut.Flight().process([[1, 1]], pose=(0, 0, np.nan)), ValueError, "a pose is finite"),
         (lambda: crosscut.Flight().process([[1, 1]], pose=(0, 0)), TypeError, "a pose is three numbers"),  # type: ignore[arg-type]

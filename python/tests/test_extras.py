@@ -20,7 +20,6 @@ SPARSE = "crosscut.Engine(affinity='threshold', keep=('{}',)).process([[0, 1], [
         ("scipy", "import crosscut.sklearn", "crosscut.sklearn needs scipy: pip install scipy"),
         ("sklearn", "import crosscut.sklearn", "pip install scikit-learn (it is in the extra 'sklearn'"),
         ("pyarrow", "crosscut.results('FLIGHT.jsonl')", "results() needs pyarrow: pip install pyarrow (it is in the extra 'table'"),
-        ("pyarrow", "crosscut.sweep('tee.mcap', {'vehicle.width_m': [1]}, 'sweep')", "sweep() needs pyarrow"),
         ("pyarrow", "import crosscut.ray; crosscut.ray.run(recordings, 'out')", "crosscut.ray needs pyarrow"),
         ("ray", "import crosscut.ray; crosscut.ray.run(recordings, 'out')", "pip install ray (it is in the extra 'ray'"),
         ("networkx", "crosscut.Flight().map.to_networkx()", "to_networkx() needs networkx: pip install networkx"),

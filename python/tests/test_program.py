@@ -95,19 +95,6 @@ def test_files_and_their_names_run_no_code(tee: Path, tmp_path: Path) -> None:
     assert named.returncode == 0 and (tmp_path / "RUN").exists(), named.stderr
 
 
-def test_a_sweep_computes_again_what_another_stage_computed(tee: Path, tmp_path: Path) -> None:
-    stage, table = tmp_path / "mine.py", tmp_path / "out" / "sweep.csv"
-    args = ["sweep", tee, "--grid", "affinity.kind=python:mine.w", "--preset", "paper", "--out", "out"]
-    texts = []
-    for w in ("numpy.ones((len(points), len(points)))", "numpy.ones((len(points), len(points)))", "numpy.eye(len(points))"):
-        stage.write_text(f"import numpy\ndef w(points):\n    return {w}\n")
-        done = run(*args, cwd=tmp_path)
-        assert done.returncode == 0, done.stderr
-        texts.append((table.read_text(), "1 of 1 are there from an earlier sweep" in done.stderr))
-    assert texts[1] == (texts[0][0], True)
-    assert texts[2][0] != texts[0][0] and not texts[2][1]
-
-
 def test_a_stage_that_raises_keeps_what_came_before(tee: Path) -> None:
     done = run("run", tee, "--preset", "paper", "--set", "affinity.kind=python:stages_of_ones_own.failing",
                "--set", "pipeline.workers=1", "--results", "-")

@@ -112,7 +112,7 @@ def test_rows_are_those_of_one_process_though_workers_and_a_node_are_lost(
             assert (tmp_path / "ray" / name).read_bytes() == (tmp_path / "here" / name).read_bytes(), name
 
 
-def test_a_sweep_has_the_table_of_one_process_though_workers_are_lost(
+def test_a_comparison_has_the_rows_of_one_process_though_workers_are_lost(
     cluster: Any, tee: Path, tmp_path: Path, program: str
 ) -> None:
     archive = tmp_path / "archive"
@@ -122,12 +122,13 @@ def test_a_sweep_has_the_table_of_one_process_though_workers_are_lost(
         shutil.copy(tee, flight)
     grid = {"vehicle.width_m": [0.6, 0.8]}
     command = first_then_slow(tmp_path, program)
-    (tmp_path / "started-flight0.mcap").mkdir()  # the last, which makes the table, is not to wait
     with killing_first_runs(tmp_path):
-        found = crosscut.ray.sweep(archive, grid, tmp_path / "ray", command=command)
+        found = crosscut.ray.compare(archive, tmp_path / "ray", grid=grid, command=command)
     assert sum(1 for _ in tmp_path.glob("started-*")) == 3
-    assert found == crosscut.sweep(archive, grid, tmp_path / "here")
-    assert (tmp_path / "ray" / "sweep.csv").read_bytes() == (tmp_path / "here" / "sweep.csv").read_bytes()
+    assert found["flight"].to_pylist() == [str(flight) for flight in flights for _ in range(2)]
+    crosscut.compare(archive, grid=grid, csv=tmp_path / "here.csv")
+    rows = [line.split(",", 1)[1] for line in (tmp_path / "here.csv").read_text().splitlines()]
+    assert [line.split(",", 1)[1] for line in (tmp_path / "ray" / "compare.csv").read_text().splitlines()] == rows
 
 
 def test_a_thousand_flights_are_there_once_though_the_driver_is_killed(
@@ -251,7 +252,7 @@ def test_an_error_of_a_task_is_its_reason(cluster: Any, tee: Path, tmp_path: Pat
     assert row["error"].startswith("its task was lost 6 times: ")
 
 
-def test_a_sweep_that_lost_something_says_so(tee: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_comparison_that_lost_something_says_so(tee: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("ray")
     monkeypatch.setattr(crosscut.ray, "_on_ray", lambda address: crosscut.ray._one_by_one)
     said = io.StringIO()
@@ -260,10 +261,10 @@ def test_a_sweep_that_lost_something_says_so(tee: Path, tmp_path: Path, monkeypa
     lossy.write_text(f'#!/bin/sh\n"{in_wheel()}" "$@"\necho "lost: a chunk" >&2\nexit 3\n')
     lossy.chmod(0o755)
     args = [str(tee), "--out", str(tmp_path / "out"), "--grid", "vehicle.width_m=0.6"]
-    assert crosscut.ray.main("sweep", args) == 0
+    assert crosscut.ray.main("compare", args) == 0
     monkeypatch.setattr(crosscut.ray, "COMMAND", (str(lossy),))
-    assert crosscut.ray.main("sweep", args) == 3
-    assert "warning: lost: a chunk\n1 rows: " in said.getvalue()
+    assert crosscut.ray.main("compare", args) == 3
+    assert "1 flights, 0 failed, 1 damaged: " in said.getvalue()
 
 
 def test_a_task_takes_one_processor(tee: Path, tmp_path: Path) -> None:

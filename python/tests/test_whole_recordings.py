@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import json
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -15,7 +15,6 @@ import stages_of_ones_own
 from conftest import in_wheel, write_scans
 
 import crosscut
-from crosscut import _program
 
 HERE = Path(__file__).resolve().parent
 
@@ -37,49 +36,25 @@ def test_a_report_is_one_page(tee: Path, tmp_path: Path) -> None:
     assert crosscut.report(tee, tmp_path / "tee.html").read_text().startswith("<!doctype html>")
 
 
-def test_a_sweep_is_a_table_with_a_row_for_each_combination(tee: Path, tmp_path: Path) -> None:
-    grid = {"affinity.sigma_per_m2": [1.5, 3.0], "spectral.zero_tolerance": [1e-9, 1e-7]}
-    table = crosscut.sweep(tee, grid, tmp_path / "out", preset="paper", spectral="slicing", jobs=1)
-    assert table.num_rows == 4
-    assert crosscut.sweep([tee], grid, tmp_path / "out", preset="paper", spectral="slicing") == table
+def test_a_comparison_is_the_document_of_the_command_line(tee: Path, tmp_path: Path) -> None:
+    written = tmp_path / "line.json"
+    configurations = ["paper", "fewer=paper,report.min_returns=3"]
+    options = [part for of in configurations for part in ("--with", of)]
+    subprocess.run([in_wheel(), "compare", tee, *options, "--json", written, "--quiet"], check=True)
+    found = crosscut.compare(tee, configurations)
+    assert found == json.loads(written.read_text())
+    assert found == crosscut.compare([tee], {"paper": "paper", "fewer": {"preset": "paper", "report": {"min_returns": 3}}})
+    assert (found["verdicts"][0]["mends"], found["verdicts"][0]["breaks"]) == (32, 0)
 
 
-def test_a_sweep_takes_a_callable(tee: Path, tmp_path: Path) -> None:
+def test_a_comparison_takes_a_callable_and_a_grid(tee: Path, tmp_path: Path) -> None:
+    table = tmp_path / "grid.csv"
+    mine = {"paper": "paper", "mine": {"preset": "paper", "affinity": stages_of_ones_own.rbf}}
     grid = {"spectral.zero_tolerance": [1e-9, 1e-7]}
-    mine = crosscut.sweep(tee, grid, tmp_path / "mine", preset="paper", affinity=stages_of_ones_own.rbf, jobs=1)
-    papers = crosscut.sweep(tee, grid, tmp_path / "paper", preset="paper")
-    assert mine["right"] == papers["right"]
-    kept = list((tmp_path / "mine" / "rows").iterdir())
-    crosscut.sweep(tee, grid, tmp_path / "mine", preset="paper", affinity=stages_of_ones_own.rbf)
-    assert list((tmp_path / "mine" / "rows").iterdir()) == kept, "what was computed counts"
-    crosscut.sweep(tee, grid, tmp_path / "mine", preset="paper", affinity=lambda points: stages_of_ones_own.rbf(points))
-    assert len(list((tmp_path / "mine" / "rows").iterdir())) == 4, "another callable is computed"
-
-
-def test_columns_of_a_sweep_have_types_whatever_their_values(tee: Path, tmp_path: Path) -> None:
-    pa = pytest.importorskip("pyarrow")
-    flights = [tmp_path / name for name in ("0012.mcap", "2024-05-01.mcap", "null.mcap")]
-    for flight in flights:
-        shutil.copy(tee, flight)
-    grid: dict[str, list[object]] = {"vehicle.width_m": [1], "preset": ["default"]}
-    table = crosscut.sweep(flights, grid, tmp_path / "out")
-    assert table["flight"].to_pylist() == ["0012", "2024-05-01", "null"]
-    types = {name: str(table.schema.field(name).type) for name in table.column_names}
-    assert {name for name, of in types.items() if of == "string"} == {"flight", "input_hash", "program", "preset"}
-    assert {name for name, of in types.items() if of == "int64"} == {"revolutions", "failed", "flips", "compared"}
-    assert len(types) == 18 and set(types.values()) == {"string", "int64", "double"}
-    assert pa.parquet.read_table(tmp_path / "out" / "sweep.parquet") == table
-    assert not list((tmp_path / "out").glob(".*"))
-
-
-def test_a_parquet_that_the_program_wrote_is_kept(tee: Path, tmp_path: Path) -> None:
-    pytest.importorskip("pyarrow")
-    script = tmp_path / "program.sh"
-    script.write_text(f'#!/bin/sh\n"{in_wheel()}" "$@" && echo theirs > "$4/sweep.parquet"\n')
-    script.chmod(0o755)
-    out = tmp_path / "out"
-    _program.swept([tee], out, ["--grid", "vehicle.width_m=0.6"], [str(script)])
-    assert (out / "sweep.parquet").read_text() == "theirs\n"
+    found = crosscut.compare(tee, mine, grid=grid, csv=table)
+    right = [of["figures"]["right"]["hits"] for of in found["all"]]
+    assert right[:2] == right[2:]
+    assert len(table.read_text().splitlines()) == 5
 
 
 def interrupted_run(flight: Path, folder: Path, handler: str) -> tuple[int, bytes, int, int]:

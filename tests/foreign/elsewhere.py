@@ -24,7 +24,7 @@ def check(flights: Flights, verdicts: Verdicts):
     folder.mkdir(exist_ok=True)
     for kind in places.KINDS:
         places.write(folder / f"{kind}.mcap", places.make(kind, COUNT, SEED))
-    ran = flights.crosscut("evaluate", folder, "--with", "default", "--with", PAPER, "--quiet", "--json", "-")
+    ran = flights.crosscut("compare", folder, "--with", "default", "--with", PAPER, "--quiet", "--json", "-")
     evaluated = json.loads(ran.expect(0).stdout)
     for family in evaluated["families"]:
         default, paper = (result["figures"]["right"]["share"] for result in family["results"])

@@ -23,7 +23,7 @@ real lidars do is done to all of them, one effect at a time (`effects`).
 Not here: floors that are not level, motion during the revolution, people.
 
 Usage: tests/foreign/run places OUT_DIR [--count N] [--seed S] [--effects] [KIND...]
-One MCAP a kind, or with `--effects` one an effect, for `crosscut evaluate OUT_DIR`.
+One MCAP a kind, or with `--effects` one an effect, for `crosscut compare OUT_DIR`.
 """
 
 import argparse

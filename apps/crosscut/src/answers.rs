@@ -74,12 +74,13 @@ impl<W: Write> AnswersFile<W> {
         let mcap = self.mcap.as_mut().ok_or_else(|| io::Error::other("the MCAP could not be begun"))?;
         if !self.channels.contains_key(topic) {
             let (name, schema_encoding, text, encoding) = match topic {
-                SCAN_TOPIC => (LaserScan::SCHEMA_NAME, SCHEMA_ENCODING, LaserScan::SCHEMA_TEXT.into(), CDR_ENCODING),
+                SCAN_TOPIC => {
+                    (LaserScan::SCHEMA_NAME, SCHEMA_ENCODING, LaserScan::SCHEMA_TEXT.as_bytes(), CDR_ENCODING)
+                }
                 SCENE_TOPIC => (SCENE_SCHEMA_NAME, PROTOBUF_ENCODING, Scene::schema(), PROTOBUF_ENCODING),
-                _ => (RESULTS_SCHEMA_NAME, JSON_SCHEMA_ENCODING, RESULTS_SCHEMA_TEXT.into(), JSON_ENCODING),
+                _ => (RESULTS_SCHEMA_NAME, JSON_SCHEMA_ENCODING, RESULTS_SCHEMA_TEXT.as_bytes(), JSON_ENCODING),
             };
-            let text: Vec<u8> = text;
-            let schema = mcap.add_schema(name, schema_encoding, &text).map_err(as_io)?;
+            let schema = mcap.add_schema(name, schema_encoding, text).map_err(as_io)?;
             let channel = mcap.add_channel(schema, topic, encoding, &BTreeMap::new()).map_err(as_io)?;
             self.channels.insert(topic, (channel, 0));
         }

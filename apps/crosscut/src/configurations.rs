@@ -1,10 +1,9 @@
-//! The configurations that `--with` names.
+//! The configurations that `--with` and `--grid` name.
 
 use std::path::{Path, PathBuf};
 
 use crosscut_detector::{Config, Preset, Registry};
 
-use crate::cli::InputArgs;
 use crate::exit::UsageError;
 use crate::{config, looking};
 
@@ -12,36 +11,121 @@ use crate::{config, looking};
 pub(crate) struct Configuration {
     pub(crate) name: String,
     pub(crate) config: Config,
+    /// The options of `run` and `debug` that choose it.
+    pub(crate) options: Vec<String>,
+    /// Its value of each key of the grid.
+    pub(crate) point: Vec<String>,
 }
 
-/// Resolves each `--with`, with the settings of `set` on top. Files of the same name in different folders are named by their
-/// paths.
-pub(crate) fn named(with: &[String], set: &[String], registry: &Registry) -> anyhow::Result<Vec<Configuration>> {
-    let resolve = |text: &String| {
-        let With { name, preset, file, settings } = With::parse(text)?;
-        let settings = [("--with", &settings[..]), ("--set", set)];
-        let config = config::resolve(preset.unwrap_or("default"), file.map(Path::new), &settings, registry)?;
-        anyhow::Ok(Configuration { name, config })
-    };
-    let mut configurations = with.iter().map(resolve).collect::<anyhow::Result<Vec<_>>>()?;
-    let short: Vec<String> = configurations.iter().map(|configuration| configuration.name.clone()).collect();
-    for (configuration, text) in configurations.iter_mut().zip(with) {
-        if short.iter().zip(with).any(|(name, other)| *name == configuration.name && other != text) {
-            configuration.name.clone_from(text);
+/// Each `--with` at each point of the grid, with the settings of `set` on top of `--with`. Without `--with`, the grid is one over
+/// preset `default`. Files of the same name in different folders are named by their paths.
+pub(crate) fn named(
+    with: &[String],
+    grid: &Grid,
+    set: &[String],
+    registry: &Registry,
+) -> anyhow::Result<Vec<Configuration>> {
+    let default = ["default".to_owned()];
+    let texts = if with.is_empty() { &default[..] } else { with };
+    let parts = texts.iter().map(|text| With::parse(text)).collect::<Result<Vec<_>, _>>()?;
+    let mut configurations = Vec::new();
+    for (of, text) in parts.iter().zip(texts) {
+        let is_other = |(other, of_other): (&With<'_>, &String)| other.name == of.name && of_other != text;
+        let name = if parts.iter().zip(texts).any(is_other) { text } else { &of.name };
+        for (point, settings) in grid.points.iter().zip(grid.settings()) {
+            // One layer: a kind of the grid may have parameters that --set gives.
+            let on_top = [set, &settings].concat();
+            let layers = [("--with", &of.settings[..]), ("--set", &on_top)];
+            let config = config::resolve(of.preset.unwrap_or("default"), of.file.map(Path::new), &layers, registry);
+            let config = config.map_err(|error| match settings.join(", ") {
+                none if none.is_empty() => error,
+                at => UsageError(format!("--grid at {at}: {error}")),
+            })?;
+            let of_with = Some(name.as_str()).filter(|_| point.is_empty() || !with.is_empty());
+            let name = of_with.map(str::to_owned).into_iter().chain(grid.named(point)).collect::<Vec<_>>().join(",");
+            let preset = of.preset.filter(|preset| *preset != "default");
+            let options = looking::options(preset, of.file.map(Path::new), &[&of.settings[..], &on_top].concat());
+            configurations.push(Configuration { name, config, options, point: point.clone() });
         }
     }
     Ok(configurations)
 }
 
-/// Each `--with` and the settings of `set` as options of `run` and `debug`, with those that select the scans of `input`.
-pub(crate) fn run_options(input: &InputArgs, with: &[String], set: &[String]) -> Vec<Vec<String>> {
-    let options = |text: &String| {
-        let Ok(With { preset, file, settings, .. }) = With::parse(text) else { return input.options() };
-        let settings: Vec<String> = settings.iter().chain(set).cloned().collect();
-        let preset = preset.filter(|preset| *preset != "default");
-        [input.options(), looking::options(preset, file.map(Path::new), &settings)].concat()
-    };
-    with.iter().map(options).collect()
+/// All combinations of the values of some settings.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) struct Grid {
+    pub(crate) keys: Vec<String>,
+    /// The value of each key, for each combination; the last key changes fastest.
+    points: Vec<Vec<String>>,
+}
+
+impl Grid {
+    /// From texts of the form `KEY=V1,V2...`. Without any, its one point has no value.
+    ///
+    /// # Errors
+    /// When a text has another form, or a key or one of its values stands twice.
+    pub(crate) fn parse(texts: &[String]) -> Result<Self, UsageError> {
+        let mut grid = Self { keys: Vec::new(), points: vec![Vec::new()] };
+        for text in texts {
+            let refuse = |why: &str| UsageError(format!("--grid {text}: {why}"));
+            let (key, values) = text
+                .split_once('=')
+                .filter(|(key, values)| !key.is_empty() && !values.is_empty())
+                .ok_or_else(|| refuse("the form is KEY=V1,V2..."))?;
+            if key == "preset" {
+                return Err(refuse("presets are configurations of their own: --with paper --with default"));
+            }
+            if grid.keys.iter().any(|known| known == key) {
+                return Err(refuse(&format!("{key} stands twice")));
+            }
+            grid.keys.push(key.to_owned());
+            let values = values_of(values);
+            let is_twice = |(at, value): &(usize, &String)| values[..*at].iter().any(|before| are_same(before, value));
+            if let Some((_, value)) = values.iter().enumerate().find(is_twice) {
+                return Err(refuse(&format!("{key} has the value {value} twice")));
+            }
+            let with = |point: &Vec<String>| {
+                let point = point.clone();
+                values.iter().map(move |value| [point.as_slice(), std::slice::from_ref(value)].concat())
+            };
+            grid.points = grid.points.iter().flat_map(with).collect();
+        }
+        Ok(grid)
+    }
+
+    /// The settings of each point.
+    fn settings(&self) -> impl Iterator<Item = Vec<String>> {
+        let setting = |(key, value): (&String, &String)| format!("{key}={value}");
+        self.points.iter().map(move |point| self.keys.iter().zip(point).map(setting).collect())
+    }
+
+    /// The settings of a point as a name: without their sections where that is clear.
+    fn named(&self, point: &[String]) -> Vec<String> {
+        let short = |key: &str| key.rsplit('.').next().unwrap_or(key).to_owned();
+        let is_alone = |key: &String| self.keys.iter().filter(|other| short(other) == short(key)).count() == 1;
+        let name = |key: &String| if is_alone(key) { short(key) } else { key.clone() };
+        self.keys.iter().zip(point).map(|(key, value)| format!("{}={value}", name(key))).collect()
+    }
+}
+
+/// Splits at commas that are not within brackets.
+fn values_of(text: &str) -> Vec<String> {
+    let mut depth = 0;
+    let values = text.split(|c| {
+        match c {
+            '[' => depth += 1,
+            ']' => depth -= 1,
+            _ => {}
+        }
+        c == ',' && depth == 0
+    });
+    values.map(str::to_owned).collect()
+}
+
+/// Whether two values are the same, as 0.6 and 0.60 are.
+fn are_same(a: &str, b: &str) -> bool {
+    let number = |text: &str| text.trim().parse::<f64>().ok();
+    a.trim() == b.trim() || number(a).is_some_and(|a| number(b) == Some(a))
 }
 
 /// The files that `with` names.
@@ -134,7 +218,36 @@ fn is_short_name(name: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::With;
+    use super::*;
+
+    fn grid(texts: &[&str]) -> Result<Grid, String> {
+        let texts: Vec<String> = texts.iter().map(|&text| text.to_owned()).collect();
+        Grid::parse(&texts).map_err(|error| error.0)
+    }
+
+    #[test]
+    fn every_combination_is_tried_and_lists_are_one_value() {
+        let grid = grid(&["report.min_returns=1,3", "ingest.rings=[[0,1],[3,4]],[]"]).expect("a grid");
+        assert_eq!(grid.keys, ["report.min_returns", "ingest.rings"]);
+        let rings = ["[[0,1],[3,4]]", "[]"];
+        let expected: Vec<_> = ["1", "3"].iter().flat_map(|least| rings.map(|rings| vec![*least, rings])).collect();
+        assert_eq!(grid.points, expected);
+    }
+
+    #[test]
+    fn names_are_as_short_as_they_are_clear() {
+        let grid = grid(&["affinity.sigma_per_m2=1,2", "spectral.kind=faer", "kmeans.kind=lloyd"]).expect("a grid");
+        assert_eq!(grid.named(&grid.points[1]), ["sigma_per_m2=2", "spectral.kind=faer", "kmeans.kind=lloyd"]);
+    }
+
+    #[test]
+    fn a_grid_without_values_or_with_one_twice_is_refused() {
+        assert!(grid(&["affinity.kind"]).is_err_and(|error| error.contains("KEY=V1,V2")));
+        assert!(grid(&["affinity.kind="]).is_err());
+        assert!(grid(&["a.b=1", "a.b=2"]).is_err_and(|error| error.contains("a.b stands twice")));
+        assert!(grid(&["a.b=0.6,1,0.60"]).is_err_and(|error| error.contains("a.b has the value 0.60 twice")));
+        assert!(grid(&["preset=paper,default"]).is_err_and(|error| error.contains("--with paper")));
+    }
 
     #[test]
     fn each_part_is_what_it_looks_like() {

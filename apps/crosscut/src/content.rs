@@ -1,4 +1,4 @@
-//! What identifies inputs and the program, independent of names.
+//! What identifies inputs, independent of names.
 
 use std::fs::File;
 use std::hash::Hasher as _;
@@ -26,11 +26,4 @@ pub(crate) fn hash_of_file(path: &Path) -> io::Result<String> {
             bytes => hasher.write(&part[..bytes]),
         }
     }
-}
-
-/// Version and build of this program: another build may give other answers. Without `build`, its file identifies it.
-pub(crate) fn program(build: Option<&str>) -> String {
-    let of_file = || std::env::current_exe().and_then(|path| hash_of_file(&path)).unwrap_or_default();
-    let build = build.map_or_else(of_file, |build| hash(&[build]));
-    format!("crosscut {} {build:.8}", env!("CARGO_PKG_VERSION"))
 }

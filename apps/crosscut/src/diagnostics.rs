@@ -58,11 +58,6 @@ impl Diagnostics {
         }
     }
 
-    /// Whether something failed or was interrupted, so that the results end early.
-    pub(crate) fn ended_early(&self) -> bool {
-        self.failed || self.interrupted
-    }
-
     /// Every problem that was reported, as it was printed.
     pub(crate) fn problems(&self) -> &[String] {
         &self.problems

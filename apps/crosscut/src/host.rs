@@ -7,9 +7,6 @@ use crate::live::Robots;
 /// What the process that the program runs in gives it.
 #[derive(Clone, Copy, Default)]
 pub struct Host<'a> {
-    /// Identifies the code that runs, where that is not in the executable file alone: `sweep` computes what another build has
-    /// computed again.
-    pub build: Option<&'a str>,
     /// Hears live robots.
     pub robots: Option<&'a dyn Robots>,
     /// Finds stages that are named at the prompt.

@@ -83,22 +83,17 @@ pub(crate) struct CommandInterrupt {
 
 impl CommandInterrupt {
     /// Listens from now on. `stop` is set to stop the command.
-    #[cfg(unix)]
-    pub(crate) fn listen(stop: Arc<AtomicBool>, at_prompt: bool) -> std::io::Result<Self> {
-        use signal_hook::consts::signal::SIGINT;
-        use signal_hook::flag;
-
-        let ends = Arc::new(AtomicBool::new(!at_prompt));
-        flag::register_conditional_shutdown(SIGINT, i32::from(INTERRUPTED), Arc::clone(&ends))?;
-        flag::register(SIGINT, Arc::clone(&stop))?;
-        flag::register(SIGINT, Arc::clone(&ends))?;
-        Ok(Self { stop, ends, at_prompt })
-    }
-
-    /// Ctrl-C ends the program.
-    #[cfg(not(unix))]
-    pub(crate) fn listen(stop: Arc<AtomicBool>, at_prompt: bool) -> std::io::Result<Self> {
-        Ok(Self { stop, ends: Arc::default(), at_prompt })
+    pub(crate) fn listen(stop: Arc<AtomicBool>, at_prompt: bool) -> anyhow::Result<Self> {
+        let interrupt = Self { stop, ends: Arc::new(AtomicBool::new(!at_prompt)), at_prompt };
+        let (stop, ends) = (Arc::clone(&interrupt.stop), Arc::clone(&interrupt.ends));
+        ctrlc::set_handler(move || {
+            if ends.swap(true, Ordering::Relaxed) {
+                std::process::exit(i32::from(INTERRUPTED));
+            }
+            stop.store(true, Ordering::Relaxed);
+        })
+        .context("cannot listen for Ctrl-C")?;
+        Ok(interrupt)
     }
 
     /// Does the work of a command, which Ctrl-C stops.
@@ -128,7 +123,7 @@ pub(crate) fn quit_without(file: &Whole) -> anyhow::Result<()> {
 }
 
 /// Makes a write beyond the largest size of a file that the system allows (`ulimit -f`) an error as any other. Without this
-/// the system ends the program without a word.
+/// the system ends the program without a word. `ctrlc` knows no such signal.
 #[cfg(unix)]
 pub(crate) fn limit_is_an_error() {
     let unused = std::sync::Arc::default();

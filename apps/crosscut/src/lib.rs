@@ -1,7 +1,7 @@
 //! The command line of crosscut: counts the walls in 2D lidar scans and finds the openings between them.
 //!
 //! [`main`] is the whole program, with the stages of a [`Registry`]. A program of one's own calls it with a registry that
-//! holds stages of its own too; they are then chosen, compared, evaluated and recorded as those that ship. [`run`] is the
+//! holds stages of its own too; they are then chosen, compared and recorded as those that ship. [`run`] is the
 //! program for a process whose arguments are not those of the command line, such as that of an interpreter.
 //!
 //! Each command has a file or folder in `commands`. Results go to files or standard output, messages to standard error.
@@ -14,6 +14,7 @@ mod cli;
 mod commands;
 mod config;
 mod configurations;
+#[cfg(feature = "rerun")]
 mod content;
 mod diagnostics;
 mod exit;
@@ -34,7 +35,6 @@ mod recorded;
 #[path = "recorded_without_rerun.rs"]
 mod recorded;
 mod related;
-mod run_log;
 mod say;
 mod summary;
 mod text_file;
@@ -64,11 +64,13 @@ pub fn main(registry: &Registry) -> ExitCode {
 /// Runs the command in `args`, of which the first is the name of the program, and returns its exit code.
 pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry, host: &Host<'_>) -> u8 {
     let args = without_help_of_help(args.into_iter().map(with_home).collect());
+    let retired = args.get(1).and_then(|command| cli::help::instead_of(command.to_str()?));
     let command = match cli::help::command().try_get_matches_from(args).and_then(|found| Cli::from_arg_matches(&found))
     {
         Ok(cli) => cli.command,
         Err(refused) => {
             refused.print().ok(); // help, or what is wrong; a closed pipe changes no exit code
+            retired.iter().for_each(|instead| say::say(instead));
             return if refused.use_stderr() { exit::WRONG_USAGE } else { exit::Outcome::Done.into() };
         }
     };
@@ -80,15 +82,11 @@ pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry, host: 
         Command::View(args) => view(&args),
         Command::Simulate(args) => commands::simulate::simulate(&args),
         Command::Explore(args) => commands::explore::explore(&args, registry),
-        Command::Evaluate(args) => commands::evaluate::evaluate(&args, registry),
-        Command::Compare(args) => commands::compare::compare(&args, registry),
+        Command::Compare(args) => commands::compare::compare(&args, registry, host.robots),
         Command::Debug(args) => commands::debug::debug(args, registry, host.kinds),
-        Command::Replay(args) => commands::replay::replay(args, registry),
-        Command::Runs(args) => commands::runs::runs(&args),
         Command::Info(args) => commands::info::info(&args, registry),
         Command::Map(args) => commands::map::map(&args, registry),
         Command::Report(args) => commands::report::report(&args, registry),
-        Command::Sweep(args) => commands::sweep::sweep(&args, registry, host.build),
         Command::Convert(args) => commands::convert::convert(&args, registry),
         Command::Rrd(command) => rrd(&command, registry),
         #[cfg(feature = "rerun")]

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use crosscut_detector::Config;
 use crosscut_flight::Mapper;
 use crosscut_ingest::Feed;
 use crosscut_report::ResultsLine;
@@ -12,7 +13,7 @@ use crosscut_sensor::Sensor;
 use crosscut_stage::{Frame, counted};
 
 use crate::answers::scene;
-use crate::cli::{InputArgs, RunArgs};
+use crate::cli::{InputArgs, LiveArgs};
 use crate::exit::UsageError;
 use crate::say::say;
 
@@ -90,35 +91,41 @@ pub(crate) fn live_input(args: &InputArgs) -> Option<&Path> {
 /// Refuses a live robot, for a command that reads its input from the start to the end, or more than once.
 pub(crate) fn refuse_live(args: &InputArgs) -> Result<(), UsageError> {
     match live_input(args) {
-        Some(robot) => Err(UsageError(format!("{} is a live robot, which `crosscut run` hears", robot.display()))),
+        Some(robot) => {
+            let robot = robot.display();
+            Err(UsageError(format!("{robot} is a live robot, which `crosscut run` and `crosscut compare` hear")))
+        }
         None => Ok(()),
     }
 }
 
-/// The robot that `run` is asked to hear; `None` if its input is recorded.
-pub(crate) fn robot_of(args: &RunArgs, odometry: &str) -> Result<Option<RobotAddress>, UsageError> {
+/// The robot that a command is asked to hear, and to `publish` answers to; `None` if its input is recorded.
+pub(crate) fn robot_of(
+    args: &InputArgs,
+    live: &LiveArgs,
+    publish: Option<&String>,
+    config: &Config,
+) -> Result<Option<RobotAddress>, UsageError> {
     let usage = |text: String| Err(UsageError(text));
-    let live = &args.live;
-    let Some(input) = live_input(&args.input) else {
-        let of_robots = [("--publish", live.publish.is_some()), ("--zenoh-config", live.zenoh_config.is_some())];
+    let Some(input) = live_input(args) else {
+        let of_robots = [("--publish", publish.is_some()), ("--zenoh-config", live.zenoh_config.is_some())];
         return match of_robots.iter().find(|(_, is_given)| *is_given) {
             Some((option, _)) => usage(format!("{option} is for live robots: zenoh://HOST/TOPIC, ros2://DOMAIN/TOPIC")),
             None => Ok(None),
         };
     };
     let address = input.display().to_string();
-    if args.input.recordings.input.len() > 1 {
+    if args.recordings.input.len() > 1 {
         return usage(format!("{address} is a live robot; nothing else is read beside it"));
     }
-    if args.follow || args.rate.is_some() {
-        return usage(format!(
-            "{address} is a live robot, which is followed at its own pace; leave out --follow and --rate"
-        ));
+    if live.follow {
+        return usage(format!("{address} is a live robot, which is followed at its own pace; leave out --follow"));
     }
     let topic = address.splitn(4, '/').nth(3).unwrap_or_default().trim_matches('/').to_owned();
     let transforms = ["/tf", "/tf_static"].map(str::to_owned);
-    let odometry = Some(odometry.to_owned()).filter(|odometry| !odometry.is_empty());
-    let scanners = args.input.topic.clone();
+    let odometry = config.sensor().odometry_topic().to_owned();
+    let odometry = Some(odometry).filter(|odometry| !odometry.is_empty());
+    let scanners = args.topic.clone();
     let beside = odometry.into_iter().chain(transforms.into_iter().filter(|_| !scanners.is_empty()));
     let mut beside: Vec<String> = scanners.iter().cloned().chain(beside).collect();
     beside.dedup();
@@ -126,9 +133,9 @@ pub(crate) fn robot_of(args: &RunArgs, odometry: &str) -> Result<Option<RobotAdd
         topic,
         beside,
         domain: live.domain,
-        message_type: args.input.recordings.read_as.map(|read_as| read_as.name().to_owned()),
+        message_type: args.recordings.read_as.map(|read_as| read_as.name().to_owned()),
         zenoh_config: live.zenoh_config.clone(),
-        publish: live.publish.clone(),
+        publish: publish.cloned(),
         address,
     }))
 }

@@ -65,8 +65,8 @@ pub(crate) fn options(preset: Option<&str>, file: Option<&Path>, settings: &[Str
 
 /// What an experiment was made of, to look at each of its wrong answers.
 pub(crate) struct Looks<'a> {
-    /// The file of each family; those of the one flight if no family has a name.
-    pub(crate) flights: &'a [PathBuf],
+    /// The name of each flight and its parts; none of flights that cannot be read again.
+    pub(crate) flights: Vec<(&'a str, &'a [PathBuf])>,
     /// The [`options`] of each configuration.
     pub(crate) options: Vec<Vec<String>>,
 }
@@ -95,7 +95,7 @@ impl Looks<'_> {
                 let (configuration, place) =
                     (outcome.configuration.as_str(), if what == "broken" { place + 1 } else { 0 });
                 for family in outcome.families.iter().filter(|family| !of(family).is_empty()) {
-                    let Some(look) = self.look(&family.family, place) else { continue };
+                    let Some(look) = self.look(&family.family, place, "flight") else { continue };
                     let family_name = family.family.as_str();
                     wrong.extend(of(family).iter().map(|&revolution| WrongAnswer {
                         configuration,
@@ -110,27 +110,17 @@ impl Looks<'_> {
         wrong
     }
 
-    /// The command that shows one wrong answer, in a sentence; `option` lists all, and is named if there are more.
-    pub(crate) fn hint(&self, outcomes: &[Outcome], option: Option<&str>) -> Option<String> {
-        let wrong = self.wrong_answers(outcomes);
-        let more = option
-            .filter(|_| wrong.len() > 1)
-            .map_or_else(String::new, |option| format!(" ({option} lists the commands)"));
-        Some(format!("to see why: {}, then why{more}", wrong.first()?.command))
+    /// How a flight is looked at with the configuration of this place. `name` is that of a recording to be made.
+    pub(crate) fn look(&self, flight: &str, place: usize, name: &str) -> Option<Look> {
+        let (_, parts) = self.flights.iter().find(|(known, _)| *known == flight)?;
+        Some(Look::of(parts, &self.options[place], name))
     }
+}
 
-    fn look(&self, family: &str, place: usize) -> Option<Look> {
-        let is_of_family = |path: &&PathBuf| {
-            path.file_stem().is_some_and(|stem| stem.to_string_lossy() == family)
-                || path.display().to_string() == family
-        };
-        let inputs = match self.flights {
-            all if family.is_empty() => all,
-            [_] => self.flights,
-            several => std::slice::from_ref(several.iter().find(is_of_family)?),
-        };
-        Some(Look::of(inputs, &self.options[place], "flight"))
-    }
+/// The command that shows one wrong answer, in a sentence. `is_all`: a table lists the others, if there are any.
+pub(crate) fn hint(wrong: &[WrongAnswer<'_>], is_all: bool) -> Option<String> {
+    let more = if is_all || wrong.len() < 2 { "" } else { " (--details lists the commands)" };
+    Some(format!("to see why: {}, then why{more}", wrong.first()?.command))
 }
 
 /// The commands as a table; none without a wrong answer.
@@ -190,22 +180,18 @@ mod tests {
             (0..2).for_each(|place| experiment.add(family, place, seq, right[place]));
         }
         let options = [["--preset", "paper"], ["--config", "mine.toml"]].map(|of| of.map(str::to_owned).to_vec());
-        let flights = ["x/a.mcap", "x/b c.mcap"].map(PathBuf::from);
-        let looks = Looks { flights: &flights, options: options.to_vec() };
+        let [a, b] = ["x/a.mcap", "x/b c.mcap"].map(|path| [PathBuf::from(path)]);
+        let looks = Looks { flights: vec![("a", &a), ("b c", &b)], options: options.to_vec() };
         let broken = "crosscut debug 'x/b c.mcap' --config mine.toml --at 7";
         let mended = "crosscut debug x/a.mcap --preset paper --at 3";
         let outcomes = experiment.outcomes();
         let wrong = looks.wrong_answers(&outcomes);
         let found: Vec<_> = wrong.iter().map(|of| (of.family, of.revolution, of.what, of.command.as_str())).collect();
         assert_eq!(found, [("b c", 7, "broken", broken), ("a", 3, "mended", mended)]);
-        let said = looks.hint(&outcomes, Some("--details"));
-        assert_eq!(said, Some(format!("to see why: {broken}, then why (--details lists the commands)")));
+        assert_eq!(hint(&wrong, false), Some(format!("to see why: {broken}, then why (--details lists the commands)")));
+        assert_eq!(hint(&wrong[1..], false), Some(format!("to see why: {mended}, then why")));
         experiment.add("b c", 0, 7, false);
-        assert_eq!(
-            looks.hint(&experiment.outcomes(), Some("--details")),
-            Some(format!("to see why: {mended}, then why"))
-        );
         experiment.add("a", 0, 3, true);
-        assert_eq!(looks.hint(&experiment.outcomes(), None), None, "both are right or both are wrong");
+        assert!(looks.wrong_answers(&experiment.outcomes()).is_empty(), "both are right or both are wrong");
     }
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use crosscut_flight::{Mapper, NoPlace, Seen};
+use crosscut_flight::{MapDrawing, Mapper, NoPlace};
 use crosscut_outfile::Keep;
 use crosscut_stage::Frame;
 
@@ -17,7 +17,7 @@ pub(crate) struct MapFile {
     path: PathBuf,
     document: Document,
     /// What a drawing shows besides the map; `None` in the other formats.
-    seen: Option<Seen>,
+    seen: Option<MapDrawing>,
     /// When the file was replaced last.
     replaced: Instant,
 }
@@ -26,7 +26,7 @@ impl MapFile {
     /// Opens the file before the work begins.
     pub(crate) fn create(path: &Path, read: &[PathBuf]) -> anyhow::Result<Self> {
         let document = Document::create(path, read, Keep::ThroughPowerLoss)?;
-        let seen = (maps::format_of(path) == "svg").then(Seen::default);
+        let seen = (maps::format_of(path) == "svg").then(MapDrawing::default);
         Ok(Self { path: path.to_owned(), document, seen, replaced: Instant::now() })
     }
 
@@ -44,7 +44,7 @@ impl MapFile {
 
     /// Writes the map of the whole flight.
     pub(crate) fn finish(&mut self, mapper: &Mapper, no_place: &NoPlace) -> anyhow::Result<()> {
-        let nothing = Seen::default();
+        let nothing = MapDrawing::default();
         self.document.write(&maps::text(&self.path, mapper, no_place, self.seen.as_ref().unwrap_or(&nothing)))
     }
 }

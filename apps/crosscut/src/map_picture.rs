@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use crosscut_evaluate::chart::{INK, line, page, text};
-use crosscut_flight::{Anchored, HereKind, Map, Mapper, NodeWay, Seen};
+use crosscut_flight::{Anchored, HereKind, Map, MapDrawing, Mapper, NodeWay};
 use svg::Document;
 use svg::node::element::{Circle, Group, Path, Polyline};
 
@@ -70,7 +70,7 @@ impl Scale {
 }
 
 impl Drawing {
-    pub(crate) fn of(map: Map, seen: &Seen, mapper: &Mapper) -> Self {
+    pub(crate) fn of(map: Map, seen: &MapDrawing, mapper: &Mapper) -> Self {
         let placed_m = |at: &Anchored| mapper.placed(at).translation.vector.into();
         let placed = |of: &[Anchored]| -> Vec<[f64; 2]> { of.iter().map(placed_m).collect() };
         let path_m = seen.stretches().map(placed).collect();

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use crosscut_flight::{Map, Mapper, NoPlace, Node, Seen, write_g2o};
+use crosscut_flight::{Map, MapDrawing, Mapper, NoPlace, Node, write_g2o};
 use serde_json::{Value, json};
 
 use crate::map_picture::{Drawing, WIDE_PX};
@@ -17,7 +17,7 @@ pub(crate) fn format_of(path: &Path) -> String {
 }
 
 /// The file at `path`; of a drawing, with what was `seen`.
-pub(crate) fn text(path: &Path, mapper: &Mapper, no_place: &NoPlace, seen: &Seen) -> String {
+pub(crate) fn text(path: &Path, mapper: &Mapper, no_place: &NoPlace, seen: &MapDrawing) -> String {
     let map = mapper.map();
     match format_of(path).as_str() {
         "svg" => {
@@ -35,10 +35,8 @@ pub(crate) fn text(path: &Path, mapper: &Mapper, no_place: &NoPlace, seen: &Seen
 /// The contract of the map: nodes, edges and merges.
 pub(crate) fn json(map: &Map) -> Value {
     let node = |(id, node): (usize, &Node)| {
-        let way = |way: &crosscut_flight::NodeWay| json!({"bearing_rad": way.bearing_rad, "width_m": way.width_m, "taken": way.taken, "edge": way.passage});
-        let ways: Vec<Value> = node.ways.iter().map(way).collect();
         json!({"id": id, "kind": node.kind.name(), "x_m": node.position_m.x, "y_m": node.position_m.y,
-               "ways": ways, "visits": node.visits})
+               "ways": node.ways, "visits": node.visits})
     };
     let edge = |(id, edge): (usize, &crosscut_flight::Passage)| {
         let via_m: Vec<[f64; 2]> = edge.via_m.iter().map(|place_m| [place_m.x, place_m.y]).collect();
@@ -46,19 +44,11 @@ pub(crate) fn json(map: &Map) -> Value {
                "length_sd_m": edge.length_sd_m, "width_m": edge.width_m,
                "stretch_ns": edge.stretch_ns, "via_m": via_m})
     };
-    let merge = |merge: &crosscut_flight::Merge| {
-        json!({"node": merge.node, "at_ns": merge.at_ns, "score": merge.score, "runner_up": merge.runner_up,
-               "why": merge.why})
-    };
-    let refusal = |refusal: &crosscut_flight::Refusal| {
-        json!({"node": refusal.node, "at_ns": refusal.at_ns, "score": refusal.score, "runner_up": refusal.runner_up,
-               "why": refusal.why})
-    };
     json!({
         "nodes": map.nodes.iter().enumerate().map(node).collect::<Vec<_>>(),
         "edges": map.passages.iter().enumerate().map(edge).collect::<Vec<_>>(),
-        "merges": map.merges.iter().map(merge).collect::<Vec<_>>(),
-        "refusals": map.refusals.iter().map(refusal).collect::<Vec<_>>(),
+        "merges": map.merges,
+        "refusals": map.refusals,
     })
 }
 

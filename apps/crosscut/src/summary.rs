@@ -2,7 +2,7 @@
 
 use crosscut_evaluate::tables::Table;
 use crosscut_pipeline::{Answers, NoteCount, Summary};
-use crosscut_stage::{KnownGaps, NoteCode, Step, counted};
+use crosscut_stage::{KnownGaps, Step, counted};
 
 use crate::fly::Flown;
 use crate::typeset;
@@ -45,16 +45,6 @@ fn gaps(gaps: KnownGaps) -> Option<String> {
         .then(|| format!("gaps: {judged:.1} % judged, {seen:.1} % seen through, {proved:.1} % proved to be closed"))
 }
 
-/// Counts for a history of runs.
-pub(crate) fn figures(summary: &Summary) -> serde_json::Value {
-    let sure = summary.answers().sure;
-    let mut figures = serde_json::json!({"revolutions": summary.revolutions, "noted": summary.noted, "sure": sure});
-    for (walls, answers) in &summary.junctions {
-        figures[format!("{walls} walls")] = answers.revolutions.into();
-    }
-    figures
-}
-
 /// Revolutions by their number of walls.
 pub(crate) fn counts(summary: &Summary) -> Table {
     let share = |part: u64, whole: u64| format!("{:.1} %", 100.0 * part as f64 / whole as f64);
@@ -72,8 +62,7 @@ pub(crate) fn counts(summary: &Summary) -> Table {
 /// The `most` most frequent kinds of notes, each with its first instance.
 pub(crate) fn notes(summary: &Summary, most: usize) -> Table {
     let kinds = summary.notes.by_frequency();
-    let code = |note: &str| NoteCode::of_note(note).map_or(String::new(), |entry| entry.code.to_owned());
-    let row = |kind: &&NoteCount| vec![kind.revolutions.to_string(), code(&kind.first), kind.first.clone()];
+    let row = |kind: &&NoteCount| vec![kind.revolutions.to_string(), format!("{:?}", kind.code), kind.first.clone()];
     table(&["revolutions", "code", "note (first of its kind)"], kinds.iter().take(most).map(row).collect())
 }
 

@@ -1,4 +1,4 @@
-//! Tables as text for a terminal, as Markdown and as HTML, and fields of CSV.
+//! Tables as text for a terminal and as HTML, and fields of CSV.
 
 use std::borrow::Cow;
 
@@ -11,7 +11,7 @@ pub(crate) fn text(tables: &[Table]) -> String {
         if table.rows.is_empty() {
             format!("{}: none\n\n", table.title)
         } else {
-            format!("{}\n{}\n\n", table.title, layout(table, presets::NOTHING))
+            format!("{}\n{}\n\n", table.title, layout(table))
         }
     };
     tables.iter().map(text).collect()
@@ -19,7 +19,7 @@ pub(crate) fn text(tables: &[Table]) -> String {
 
 /// Formats a table without its title for a terminal.
 pub(crate) fn plain(table: &Table) -> String {
-    layout(table, presets::NOTHING).trim_fmt()
+    layout(table).trim_fmt()
 }
 
 /// Formats a table without its title as HTML.
@@ -49,20 +49,10 @@ pub(crate) fn csv_field(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// Formats tables as Markdown.
-pub(crate) fn markdown(tables: &[Table]) -> String {
-    let escaped = |table: &Table| {
-        let escape = |cells: &Vec<String>| cells.iter().map(|cell| cell.replace('|', "\\|")).collect();
-        Table { header: escape(&table.header), rows: table.rows.iter().map(escape).collect(), ..table.clone() }
-    };
-    let markdown = |table| layout(&escaped(table), presets::ASCII_MARKDOWN);
-    tables.iter().map(|table| format!("**{}**\n\n{}\n\n", table.title, markdown(table))).collect()
-}
-
 /// Aligns names left and numbers right.
-fn layout(table: &Table, preset: &str) -> comfy_table::Table {
+fn layout(table: &Table) -> comfy_table::Table {
     let mut drawn = comfy_table::Table::new();
-    drawn.load_preset(preset).set_header(&table.header).add_rows(&table.rows);
+    drawn.load_preset(presets::NOTHING).set_header(&table.header).add_rows(&table.rows);
     for (place, column) in drawn.column_iter_mut().enumerate() {
         column.set_cell_alignment(if is_number(table, place) { CellAlignment::Right } else { CellAlignment::Left });
     }

@@ -11,7 +11,7 @@
 //! return is a neighbour of the first. Points without beams have no neighbours, so a sweep is needed.
 
 use crosscut_stage::{
-    Affinity, AffinityStage, Beam, Count, Invariance, Kind, Notes, Number, Revolution, StageError, Storage, Sweep,
+    Affinity, AffinityStage, Beam, Count, Invariance, Kind, Notes, Number, Revolution, StageError, Sweep,
 };
 use nalgebra::distance;
 
@@ -44,7 +44,6 @@ pub const KIND: Kind<dyn AffinityStage> = Kind::affinity(
     },
 )
 .params(&[LAMBDA_DEG.spec, RANGE_NOISE_M.spec, MISSING_BEAMS.spec])
-.storage(Storage::Sparse(|_, _| 3))
 .needs_beams()
 // It sees ranges, distances and the order of the beams.
 .blind_to(&[Invariance::Turn, Invariance::Mirror]);

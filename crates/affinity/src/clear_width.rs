@@ -1,48 +1,41 @@
 //! `clear_width`: a wall ends where one number says so, a baseline.
 //!
-//! The returns, without what hangs in the air or stands free ([`Scan`]), are cut where two neighbours are `passage_m` or
-//! more apart. Of the two ends at a gap, let p be the one that is nearer to the sensor, and F the line of the wall beside the
+//! The returns, without what hangs in the air or stands free ([`Scan`]), are cut where two neighbours are the width of the
+//! vehicle or more apart. Of the two ends at a gap, let p be the one that is nearer to the sensor, and F the line of the wall beside the
 //! other one, over the metre behind it. The wall ends there if
 //!
 //! ```text
-//! d(p, F) >= passage_m
+//! d(p, F) >= width of the vehicle
 //! ```
 //!
 //! and goes on if not. Nothing is asked of turns, depths, sizes or lost beams: this is what other rules have to beat.
 //! W_ij = 1 between neighbouring returns of one wall, else 0.
 
-use crosscut_scan::{Lengths, Ring, Scan};
-use crosscut_stage::{
-    Affinity, AffinityStage, Invariance, Kind, Measured, Notes, Number, Revolution, StageError, Storage, Verdict,
-};
+use crosscut_scan::{ISLAND_M, Lengths, Ring, Scan, VEHICLE_WIDTH_M};
+use crosscut_stage::{Affinity, AffinityStage, Invariance, Kind, Measured, Notes, Revolution, StageError, Verdict};
 
 use crate::edges::write_edges;
 
-const PASSAGE_M: Number = Number::new("passage_m", "m", 0.6)
-    .above(0.0)
-    .to(100.0)
-    .follows("vehicle.width_m", 1.0)
-    .doc("vehicle.width_m unless it is set: a wall ends at a gap whose nearer end is at least this far off the line of the other wall");
-
 /// The line of a wall is that of as much of it beside the gap.
 const LINE_M: f64 = 1.0;
-/// Shorter pieces in front of what is on both sides of them stand free.
-const ISLAND_M: f64 = 2.0;
-
 /// One number at a gap.
 pub const KIND: Kind<dyn AffinityStage> = Kind::affinity(
     "clear_width",
     "a 0/1 graph: a wall ends where the nearer end of a gap is a vehicle's width off the line of the other wall (baseline)",
-    |params| Box::new(ClearWidth { passage_m: params.get(PASSAGE_M), scan: Scan::default(), next: Vec::new() }),
+    |params| Box::new(ClearWidth { passage_m: params.get(VEHICLE_WIDTH_M),
+            island_m: params.get(ISLAND_M),
+            scan: Scan::default(),
+            next: Vec::new(),
+        }),
 )
-.params(&[PASSAGE_M.spec])
-.storage(Storage::Sparse(|_, _| 3))
+.params(&[VEHICLE_WIDTH_M.shared("vehicle.width_m"), ISLAND_M.shared("report.island_m")])
 .needs_beams()
 // It sees ranges, distances and the order of the beams.
 .blind_to(&[Invariance::Turn, Invariance::Mirror]);
 
 struct ClearWidth {
     passage_m: f64,
+    island_m: f64,
     scan: Scan,
     /// The next return of the wall of each, and the one before.
     next: Vec<[Option<u32>; 2]>,
@@ -51,8 +44,8 @@ struct ClearWidth {
 impl AffinityStage for ClearWidth {
     fn weigh(&mut self, revolution: &Revolution, out: &mut Affinity, _: &mut Notes) -> Result<(), StageError> {
         let Some(sweep) = revolution.beams() else { return Err(StageError::without_beams("clear_width")) };
-        let Self { passage_m, scan, next } = self;
-        let lengths = Lengths { passage_m: *passage_m, island_m: ISLAND_M, stretch_m: LINE_M };
+        let Self { passage_m, island_m, scan, next } = self;
+        let lengths = Lengths { passage_m: *passage_m, island_m: *island_m, stretch_m: LINE_M };
         scan.make(sweep, &revolution.points_m, &lengths)?;
         let ring = &scan.ring;
         next.clear();

@@ -3,7 +3,7 @@
 //! W_ij = exp(-σ ‖x_i - x_j‖²) for every pair of returns, exactly symmetric. It depends on distances alone, so it is
 //! blind to every rigid motion, to mirroring, and to the order of the returns.
 
-use crosscut_stage::{Affinity, AffinityStage, Invariance, Kind, Notes, Number, Revolution, StageError, Storage};
+use crosscut_stage::{Affinity, AffinityStage, Invariance, Kind, Notes, Number, Revolution, StageError};
 use nalgebra::distance_squared;
 
 const SIGMA_PER_M2: Number = Number::new("sigma_per_m2", "1/m²", 1.5)
@@ -18,7 +18,6 @@ pub const KIND: Kind<dyn AffinityStage> = Kind::affinity(
     |params| Box::new(Rbf { sigma_per_m2: params.get(SIGMA_PER_M2) }),
 )
 .params(&[SIGMA_PER_M2.spec])
-.storage(Storage::Dense)
 .blind_to(Invariance::ALL);
 
 struct Rbf {

@@ -3,7 +3,7 @@
 //! W_ij = 1 if ‖x_i - x_j‖ <= radius, else 0: single-linkage clustering, once its components are taken. It depends on
 //! distances alone, so it is blind to every rigid motion, to mirroring, and to the order of the returns.
 
-use crosscut_stage::{Affinity, AffinityStage, Invariance, Kind, Notes, Number, Revolution, StageError, Storage};
+use crosscut_stage::{Affinity, AffinityStage, Invariance, Kind, Notes, Number, Revolution, StageError};
 use nalgebra::distance_squared;
 
 use crate::edges::write_edges;
@@ -17,7 +17,6 @@ pub const KIND: Kind<dyn AffinityStage> =
         Box::new(Threshold { radius_m: params.get(RADIUS_M) })
     })
     .params(&[RADIUS_M.spec])
-    .storage(Storage::Sparse(|_, n| n))
     .blind_to(Invariance::ALL);
 
 struct Threshold {

@@ -1,7 +1,7 @@
 //! The properties that the rest of the program relies on in an affinity. Each function panics and names the defect.
 
 use crosscut_stage::{
-    Affinity, AffinityStage, Invariance, Kind, Notes, Params, Point, Revolution, StageError, Weights, wrap_angle_rad,
+    Affinity, AffinityStage, Invariance, Kind, Notes, Params, Point, Revolution, StageError, wrap_angle_rad,
 };
 use faer::Mat;
 use nalgebra::{Rotation3, Vector3};
@@ -21,7 +21,6 @@ pub fn all(kind: &AffinityKind) {
     w_is_symmetric_with_entries_in_0_to_1_and_ones_on_the_diagonal(kind);
     a_used_stage_and_a_used_buffer_give_the_same_bits_as_new_ones(kind);
     few_returns_and_returns_in_one_place_have_defined_graphs(kind);
-    w_takes_no_more_memory_than_the_kind_states(kind);
     w_is_blind_to_what_the_kind_states(kind);
 }
 
@@ -93,18 +92,6 @@ pub fn few_returns_and_returns_in_one_place_have_defined_graphs(kind: &AffinityK
         assert_eq!((affinity.weights.n(), affinity.degrees.len()), (n, n), "{}", kind.name);
         assert!(affinity.degrees.iter().all(|d| (1.0..=n as f64).contains(d)), "{}: {affinity:?}", kind.name);
     }
-}
-
-/// The memory that follows from [`Storage`](crosscut_stage::Storage) is enough.
-pub fn w_takes_no_more_memory_than_the_kind_states(kind: &AffinityKind) {
-    let params = Params::defaults(kind.params);
-    for_many(kind.name, CASES, &any_revolution(), |revolution| {
-        let Some(affinity) = graph(kind, &revolution) else { return };
-        let starts = if matches!(affinity.weights, Weights::Sparse(_)) { affinity.degrees.len() } else { 0 };
-        let needed = affinity.weights.memory_bytes() + 8 * (affinity.degrees.len() + starts) as u64;
-        let stated = kind.properties.storage.bytes(&params, revolution.len());
-        assert!(needed <= stated, "{needed} bytes in use, {stated} stated");
-    });
 }
 
 /// Each [`Invariance`] that the kind states holds.

@@ -3,13 +3,13 @@
 //! An affinity of your own runs them in a test of its own; random inputs are the same in every run:
 //!
 //! ```
-//! use crosscut_stage::{Affinity, AffinityStage, Kind, Notes, Revolution, StageError, Storage};
+//! use crosscut_stage::{Affinity, AffinityStage, Kind, Notes, Revolution, StageError};
 //!
 //! /// Every return on its own: W = I.
 //! struct Alone;
 //!
 //! const KIND: Kind<dyn AffinityStage> =
-//!     Kind::affinity("alone", "every return on its own", |_| Box::new(Alone)).storage(Storage::Sparse(|_, _| 1));
+//!     Kind::affinity("alone", "every return on its own", |_| Box::new(Alone));
 //!
 //! impl AffinityStage for Alone {
 //!     fn weigh(&mut self, revolution: &Revolution, out: &mut Affinity, _: &mut Notes) -> Result<(), StageError> {

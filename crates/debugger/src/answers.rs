@@ -17,9 +17,6 @@ use crate::{Refused, Reply, Session};
 /// At most this many spans of revolutions are named in a line.
 const SPANS: usize = 12;
 
-/// Values differ if they differ at all.
-const EXACT: f64 = 0.0;
-
 impl Session {
     pub(crate) fn again(&mut self) -> Result<Reply, Refused> {
         let start = Instant::now();
@@ -78,8 +75,8 @@ impl Session {
             let text = if same { format!("both fail: {failure}") } else { format!("one fails: {failure}") };
             return Ok(Reply::new(text, json!({"revolution": seq, "same": same, "failure": failure.to_string()})));
         }
-        let sides = [held, self.frame()].map(|frame| stage_values(frame, true));
-        Ok(match first_difference(&sides[0], &sides[1], |_| EXACT) {
+        let sides = [held, self.frame()].map(stage_values);
+        Ok(match first_difference(&sides[0], &sides[1]) {
             None => Reply::new("the same in every stage", json!({"revolution": seq, "same": true})),
             Some(first) => {
                 let [a, b] = &first.values;

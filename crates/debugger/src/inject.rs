@@ -1,6 +1,7 @@
 //! Outputs of stages that are replaced.
 
 use crosscut_detector::Engine;
+use crosscut_stage::NoteCode::N100;
 use crosscut_stage::{Failure, FailureCause, Frame, Step, Weights};
 use faer::Mat;
 
@@ -59,7 +60,7 @@ impl Injected {
             _ => frame.affinity.weights.make_dense(n).copy_from(w),
         }
         frame.affinity.sum_degrees();
-        frame.notes.add("W was injected");
+        frame.notes.add(N100, "W was injected");
         Ok(())
     }
 
@@ -73,7 +74,7 @@ impl Injected {
         refuse_shape(frame, Step::Spectral, "U", [u.nrows(), u.ncols()], [n, u.ncols()])?;
         frame.spectrum.u = u.clone().into();
         frame.spectrum.k = u.ncols();
-        frame.notes.add("U was injected; its number of columns is k");
+        frame.notes.add(N100, "U was injected; its number of columns is k");
         Ok(())
     }
 
@@ -86,7 +87,7 @@ impl Injected {
         frame.partition.labels = labels.iter().map(|&label| u32::try_from(label).ok()).collect();
         let largest = frame.partition.labels.iter().flatten().max();
         frame.partition.clusters = largest.map_or(0, |&largest| largest as usize + 1);
-        frame.notes.add("labels were injected");
+        frame.notes.add(N100, "labels were injected");
         Ok(())
     }
 }

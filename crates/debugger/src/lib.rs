@@ -16,7 +16,6 @@ mod inject;
 mod matrices;
 mod moves;
 pub mod npy;
-mod replay;
 mod session;
 mod settings;
 mod show;

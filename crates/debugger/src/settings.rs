@@ -13,14 +13,14 @@ use crate::session::{answer_in_words, merge};
 use crate::{Refused, Reply, Session};
 
 /// What a stage makes of a revolution, out of a file.
-pub(crate) enum Array {
+enum Array {
     W(Mat<f64>),
     U(Mat<f64>),
     Labels(Vec<i64>),
 }
 
 /// Reads `what`, W, U or labels, of a revolution with n returns.
-pub(crate) fn array_in(what: &str, path: &str, n: usize) -> Result<Array, Refused> {
+fn array_in(what: &str, path: &str, n: usize) -> Result<Array, Refused> {
     let cannot = |error: String| Refused::Failed(format!("{error}, in {path}"));
     let array = File::open(path).map_err(|error| error.to_string());
     let array = array.and_then(|mut file| NpyArray::read(&mut file)).map_err(cannot)?;

@@ -66,8 +66,7 @@ impl Given {
     /// Fills the frame with a scan and what the stages make of it.
     fn process(&self, engine: &mut Engine, scan: &Scan, frame: &mut Frame) {
         frame.revolution.clone_from(&scan.revolution);
-        frame.notes.clear();
-        frame.notes.extend(scan.notes.iter());
+        frame.notes.clone_from(&scan.notes);
         frame.extra.clear();
         match self.injected.get(&scan.revolution.seq) {
             Some(injected) => injected.process(engine, frame).ok(), // a failure travels in the frame

@@ -12,7 +12,7 @@ use crate::{Config, Engine, Registry, Settings};
 /// use crosscut_detector::{Detector, LaserScan};
 ///
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// let mut detector = Detector::builder().vehicle_width_m(0.8).set("affinity.island_m", 1.5).build()?;
+/// let mut detector = Detector::builder().vehicle_width_m(0.8).set("report.island_m", 1.5).build()?;
 ///
 /// let scan = LaserScan { angle_increment: 0.1, range_max: 30.0, ranges: vec![2.0; 62], ..LaserScan::default() };
 /// assert_eq!(detector.detect(&scan)?.junctions, 1);

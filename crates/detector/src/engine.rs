@@ -6,10 +6,9 @@ use std::time::Instant;
 
 use crosscut_report::Reporter;
 use crosscut_stage::{
-    AffinityStage, Failure, FailureCause, Frame, Kind, KmeansStage, SpectralStage, StageError, StageKind, Step, Storage,
+    AffinityStage, Failure, FailureCause, Frame, Kind, KmeansStage, SpectralStage, StageError, StageKind, Step,
 };
 
-use crate::memory::MemoryBudget;
 use crate::{Config, Registry};
 
 /// Runs the paper's Algorithm 1, and the report after it, on one revolution in the calling thread.
@@ -41,7 +40,10 @@ pub struct Engine {
 /// The stages that come in several kinds, and what is known of them.
 pub(crate) struct Stages {
     pub(crate) affinity: Box<dyn AffinityStage>,
-    pub(crate) storage: Storage,
+    /// The affinity needs beams, so that W has few entries in a row.
+    pub(crate) is_w_sparse: bool,
+    /// The solver takes no n×n matrix for such a W.
+    pub(crate) stays_sparse: bool,
     /// All are of the program's own kinds, for which confidences were calibrated.
     pub(crate) is_calibrated: bool,
     pub(crate) spectral: Box<dyn SpectralStage>,
@@ -55,7 +57,8 @@ impl Stages {
         let shipped = Registry::standard();
         Self {
             affinity: config.build(&registry.affinity),
-            storage: kind.properties.storage,
+            is_w_sparse: kind.properties.needs_beams,
+            stays_sparse: config.kind(&registry.spectral).properties.stays_sparse,
             is_calibrated: is_among(kind, &shipped.affinity)
                 && is_among(config.kind(&registry.spectral), &shipped.spectral)
                 && is_among(config.kind(&registry.kmeans), &shipped.kmeans),
@@ -81,20 +84,18 @@ impl Engine {
     }
 
     pub(crate) fn of(stages: Stages, config: &Config, frames: usize, workers: usize) -> Self {
-        let Stages { mut affinity, storage, is_calibrated, mut spectral, mut kmeans } = stages;
-        let budget = MemoryBudget::new(config, storage, frames, workers);
+        let Stages { mut affinity, is_w_sparse, stays_sparse, is_calibrated, mut spectral, mut kmeans } = stages;
+        let config_of_w = config.clone();
         let mut reporter = Reporter::new(config.params("report"), config.params("vehicle"));
         if !is_calibrated {
             reporter = reporter.without_confidence();
         }
-        let budget_of_w = budget.clone();
         Self {
             weigh: Worker::new(Step::Affinity, move |f| {
-                budget_of_w.admit_affinity(f.revolution.len())?;
+                config_of_w.admit(f.revolution.len(), [frames, workers], is_w_sparse, stays_sparse)?;
                 affinity.affinity(&f.revolution, &mut f.affinity, &mut f.notes)
             }),
             decompose: Worker::new(Step::Spectral, move |f| {
-                budget.admit_spectral(spectral.as_ref(), &f.affinity)?;
                 spectral.spectrum(&f.affinity, &mut f.spectrum, &mut f.notes)
             }),
             cluster: Worker::new(Step::Kmeans, move |f| kmeans.partition(&f.spectrum, &mut f.partition, &mut f.notes)),

@@ -1,6 +1,7 @@
-//! W and the working memory of the solver are refused before they are allocated, if they would not fit.
+//! A revolution whose W and decomposition would not fit is refused before they are allocated.
 
-use crosscut_stage::{Affinity, Params, SpectralStage, StageError, Storage};
+use crosscut_spectral::MOST_MATRICES;
+use crosscut_stage::StageError;
 
 use crate::Config;
 use crate::config::MEMORY_MB;
@@ -12,52 +13,29 @@ impl Config {
     pub fn waiting_bytes(&self) -> u64 {
         (self.params("pipeline").get(MEMORY_MB) as u64).saturating_mul(MB / 4)
     }
-}
 
-/// How much memory W and the solvers may take, and how many there are at a time.
-#[derive(Clone, Debug)]
-pub(crate) struct MemoryBudget {
-    limit_mb: u64,
-    frames: u64,
-    workers: u64,
-    /// How W is stored by the affinity with these parameters.
-    w: (Storage, Params),
-}
-
-impl MemoryBudget {
-    /// For an affinity that stores W so, and this many frames in flight and workers.
-    pub(crate) fn new(config: &Config, storage: Storage, frames: usize, workers: usize) -> Self {
-        Self {
-            limit_mb: config.params("pipeline").get(MEMORY_MB) as u64,
-            frames: frames as u64,
-            workers: workers as u64,
-            w: (storage, config.params("affinity").clone()),
-        }
-    }
-
-    /// Whether W of n returns fits, once per frame.
-    pub(crate) fn admit_affinity(&self, n: usize) -> Result<(), StageError> {
-        let (storage, params) = &self.w;
-        self.admit(n, self.frames.saturating_mul(storage.bytes(params, n)))
-    }
-
-    /// Whether the decomposition fits beside W, once per worker.
-    pub(crate) fn admit_spectral(&self, stage: &dyn SpectralStage, affinity: &Affinity) -> Result<(), StageError> {
-        let (n, stored) = (affinity.weights.n(), affinity.weights.stored());
-        let held = self.frames.saturating_mul(affinity.weights.memory_bytes());
-        self.admit(n, held.saturating_add(self.workers.saturating_mul(stage.memory_bytes(n, stored))))
-    }
-
-    fn admit(&self, n: usize, bytes: u64) -> Result<(), StageError> {
-        let needed_mb = bytes.div_ceil(MB);
-        if needed_mb <= self.limit_mb {
+    /// Whether as many dense n×n matrices fit as this many frames and workers may hold. W is dense in each frame unless
+    /// `is_w_sparse`, and a worker has matrices of its own unless its solver `stays_sparse`, which it can of a sparse W
+    /// alone.
+    pub(crate) fn admit(
+        &self,
+        n: usize,
+        [frames, workers]: [usize; 2],
+        is_w_sparse: bool,
+        stays_sparse: bool,
+    ) -> Result<(), StageError> {
+        let of_frames = if is_w_sparse { 0 } else { frames as u64 };
+        let of_workers = if is_w_sparse && stays_sparse { 0 } else { MOST_MATRICES * workers as u64 };
+        let entries = (n as u64).saturating_mul(n as u64);
+        let bytes = entries.saturating_mul(8).saturating_mul(of_frames + of_workers);
+        let (needed_mb, limit_mb) = (bytes.div_ceil(MB), self.params("pipeline").get(MEMORY_MB) as u64);
+        if needed_mb <= limit_mb {
             return Ok(());
         }
         Err(StageError::TooLarge(format!(
-            "{n} returns would need {needed_mb} MB ({} frames in flight, {} workers), pipeline.memory_mb is {}; raise it, \
-             lower pipeline.in_flight or pipeline.workers, or choose an affinity with few edges, such as \"passage\", and \
-             spectral.kind = \"blocks\" or \"components\"",
-            self.frames, self.workers, self.limit_mb
+            "{n} returns would need {needed_mb} MB ({frames} frames in flight, {workers} workers), pipeline.memory_mb is \
+             {limit_mb}; raise it, lower pipeline.in_flight or pipeline.workers, or choose an affinity with few edges, such as \
+             \"passage\", and spectral.kind = \"blocks\" or \"components\""
         )))
     }
 }

@@ -8,12 +8,12 @@ use crosscut_stage::{AffinityStage, Kind, KmeansStage, SpectralStage};
 ///
 /// ```
 /// use crosscut_detector::Registry;
-/// use crosscut_stage::{Affinity, AffinityStage, Kind, Notes, Revolution, StageError, Storage};
+/// use crosscut_stage::{Affinity, AffinityStage, Kind, Notes, Revolution, StageError};
 ///
 /// struct Alone;
 ///
 /// const ALONE: Kind<dyn AffinityStage> =
-///     Kind::affinity("alone", "every return on its own", |_| Box::new(Alone)).storage(Storage::Sparse(|_, _| 1));
+///     Kind::affinity("alone", "every return on its own", |_| Box::new(Alone));
 ///
 /// impl AffinityStage for Alone {
 ///     fn weigh(&mut self, r: &Revolution, out: &mut Affinity, _: &mut Notes) -> Result<(), StageError> {

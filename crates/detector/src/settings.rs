@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crosscut_stage::{AffinityStage, KmeansStage, SpectralStage, Storage, Value};
+use crosscut_stage::{AffinityStage, KmeansStage, SpectralStage, Value};
 
 use crate::engine::Stages;
 use crate::{Config, ConfigError, Detector, Engine, Layer, Preset, Registry};
@@ -121,8 +121,9 @@ impl Settings {
         let mut stages = Stages::chosen(config, registry);
         stages.is_calibrated &= self.affinity.is_none() && self.spectral.is_none() && self.kmeans.is_none();
         if let Some(affinity) = self.affinity {
-            (stages.affinity, stages.storage) = (affinity, Storage::Dense);
+            (stages.affinity, stages.is_w_sparse) = (affinity, false);
         }
+        stages.stays_sparse &= self.spectral.is_none();
         stages.spectral = self.spectral.unwrap_or(stages.spectral);
         stages.kmeans = self.kmeans.unwrap_or(stages.kmeans);
         Engine::of(stages, config, 1, 1)

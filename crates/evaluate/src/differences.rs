@@ -1,4 +1,4 @@
-//! The differences between two configurations over a flight.
+//! The differences between two configurations over flights.
 
 use std::collections::BTreeMap;
 
@@ -26,7 +26,7 @@ pub struct Differences {
     /// Number of revolutions by the two counts.
     #[serde(skip)]
     pub counts: BTreeMap<[usize; 2], u64>,
-    /// The stretches where walls differ, in the order of the flight.
+    /// The stretches where walls differ, flight by flight, in order.
     pub stretches: Vec<Stretch>,
     /// Whether the last revolution differed, so that the next one may extend its stretch.
     #[serde(skip)]
@@ -34,8 +34,10 @@ pub struct Differences {
 }
 
 /// Consecutive revolutions with the same two counts and with walls that differ.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Stretch {
+    /// The flight that they are of.
+    pub flight: String,
     /// First and last revolution.
     pub seq: [u64; 2],
     /// Their stamps.
@@ -67,6 +69,20 @@ impl Differences {
         self.is_differing = !agreement.same_walls;
     }
 
+    /// Adds the differences over another flight of this name.
+    pub fn merge(&mut self, other: Self, flight: &str) {
+        (0..2).for_each(|side| self.answered_by_one[side] += other.answered_by_one[side]);
+        self.same_count.merge(other.same_count);
+        self.same_k.merge(other.same_k);
+        self.same_walls.merge(other.same_walls);
+        self.returns_alike.merge(other.returns_alike);
+        self.openings_lacking.merge(other.openings_lacking);
+        self.openings_more.merge(other.openings_more);
+        other.counts.into_iter().for_each(|(pair, revolutions)| *self.counts.entry(pair).or_default() += revolutions);
+        self.stretches.extend(other.stretches.into_iter().map(|of| Stretch { flight: flight.to_owned(), ..of }));
+        self.is_differing = false;
+    }
+
     fn extend_stretch(&mut self, agreement: &Agreement) {
         match self.stretches.last_mut() {
             Some(last) if self.is_differing && last.junctions == agreement.junctions => {
@@ -77,6 +93,7 @@ impl Differences {
                 last.confidence = [least(0), least(1)];
             }
             _ => self.stretches.push(Stretch {
+                flight: String::new(),
                 seq: [agreement.seq; 2],
                 stamp_ns: [agreement.stamp_ns; 2],
                 revolutions: 1,

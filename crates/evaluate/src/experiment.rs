@@ -10,6 +10,9 @@ use crate::verdict::{Verdict, holm, listed, short, thousands};
 /// At most this many spans of revolutions are named in a line.
 const SPANS: usize = 8;
 
+/// Of more configurations, those that mend the most beyond what they break have a sentence.
+const SENTENCES: usize = 8;
+
 /// Which answers of several configurations are right, by family of scenes.
 #[derive(Clone, Debug, Default)]
 pub struct Experiment {
@@ -105,7 +108,13 @@ impl FamilyOutcome {
 /// was compared.
 pub fn sentences(outcomes: &[Outcome]) -> Vec<String> {
     let mut lines = Vec::new();
-    for outcome in outcomes.iter().filter(|outcome| outcome.verdict.of > 0) {
+    let mut told: Vec<&Outcome> = outcomes.iter().filter(|outcome| outcome.verdict.of > 0).collect();
+    let more = told.len().saturating_sub(SENTENCES);
+    if more > 0 {
+        told.sort_by_key(|of| of.verdict.breaks.cast_signed() - of.verdict.mends.cast_signed());
+        told.truncate(SENTENCES);
+    }
+    for outcome in told {
         let corrected = (outcomes.len() > 1).then_some(outcome.p_holm);
         lines.push(format!(
             "against {}: {}",
@@ -120,6 +129,7 @@ pub fn sentences(outcomes: &[Outcome]) -> Vec<String> {
             lines.extend((!parts.is_empty()).then(|| format!("  {what}: {}", parts.join("; "))));
         }
     }
+    lines.extend((more > 0).then(|| format!("{more} more configurations are left out here; these mend the most")));
     lines
 }
 

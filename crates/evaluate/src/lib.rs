@@ -47,7 +47,7 @@
 //! Percentiles are by nearest rank. A sum over families weights every revolution equally, not every family.
 //!
 //! **Two configurations without a truth**: [`Agreement`] compares two answers to the same scan by these measures, with
-//! the first as truth. [`Differences`] sums them over a flight and lists the stretches where the walls differ.
+//! the first as truth. [`Differences`] sums them over flights and lists the stretches where the walls differ.
 //!
 //! **A verdict**: [`experiment`] says what a configuration mends and breaks against another one, and how likely that is by
 //! chance ([`verdict`]); [`times`] how much longer it takes.

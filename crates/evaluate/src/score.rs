@@ -1,7 +1,8 @@
 //! The score of one revolution against its truth.
 
 use crosscut_messages::Truth;
-use crosscut_report::{GapsLine, ResultsLine};
+use crosscut_report::ResultsLine;
+use crosscut_stage::KnownGaps;
 
 use crate::contingency::Contingency;
 use crate::openings::{self, OpeningsScore};
@@ -27,7 +28,7 @@ pub struct Score {
     /// Comparison of the openings.
     pub openings: OpeningsScore,
     /// How the gaps of the answer are known.
-    pub gaps: GapsLine,
+    pub gaps: KnownGaps,
     /// Reported confidence; `None` if the answer has none.
     pub confidence: Option<f64>,
 }

@@ -2,7 +2,6 @@
 
 use crosscut_report::ResultsLine;
 use crosscut_stage::{Frame, Step};
-use serde::{Deserialize, Serialize};
 
 /// A value that a stage made.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,11 +15,10 @@ pub struct StageValue {
 }
 
 /// Numbers or words, in order.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Values {
-    /// Numbers; a missing one is NaN in memory and null in JSON.
-    Numbers(#[serde(deserialize_with = "numbers")] Vec<f64>),
+    /// Numbers; a missing one is NaN.
+    Numbers(Vec<f64>),
     /// Words.
     Words(Vec<String>),
 }
@@ -43,9 +41,8 @@ impl std::fmt::Display for Difference {
     }
 }
 
-/// The values of every stage, in the order of the stages. `whole`: W, U and the points entry by entry; else a few numbers
-/// for each, in which any other entry shows, so that files of them stay small.
-pub fn stage_values(frame: &Frame, whole: bool) -> Vec<StageValue> {
+/// The values of every stage, in the order of the stages: W, U and the points entry by entry.
+pub fn stage_values(frame: &Frame) -> Vec<StageValue> {
     let mut values = Vec::new();
     let mut add = |step, field, value| values.push(StageValue { step, field, value });
     let number = |x: f64| Values::Numbers(vec![x]);
@@ -54,23 +51,20 @@ pub fn stage_values(frame: &Frame, whole: bool) -> Vec<StageValue> {
 
     let points = revolution.points_m.iter().flat_map(|point| [point.x, point.y, point.z]);
     add(Step::Ingest, "returns", count(revolution.len()));
-    add(Step::Ingest, "points_m", if whole { Values::Numbers(points.collect()) } else { summed(points) });
+    add(Step::Ingest, "points_m", Values::Numbers(points.collect()));
 
     let mut weights = Vec::new();
     affinity.weights.for_each(|_, _, weight| weights.push(weight));
     add(Step::Affinity, "edges", count(affinity.weights.stored()));
-    add(Step::Affinity, "W", if whole { Values::Numbers(weights) } else { summed_weights(&weights) });
-    let degrees = affinity.degrees.iter().copied();
-    let extremes = || vec![degrees.clone().fold(f64::INFINITY, f64::min), degrees.clone().fold(0.0, f64::max)];
-    add(Step::Affinity, "degrees", Values::Numbers(if whole { degrees.clone().collect() } else { extremes() }));
+    add(Step::Affinity, "W", Values::Numbers(weights));
+    add(Step::Affinity, "degrees", Values::Numbers(affinity.degrees.to_vec()));
     let rooms = affinity.verdicts.iter().map(|verdict| verdict.room_ratio);
     add(Step::Affinity, "verdicts", count(affinity.verdicts.len()));
     add(Step::Affinity, "room_ratio", Values::Numbers(rooms.collect()));
 
     add(Step::Spectral, "k", count(spectrum.k));
     add(Step::Spectral, "tolerance", number(spectrum.tolerance));
-    let kept = if whole { usize::MAX } else { spectrum.k + 1 };
-    add(Step::Spectral, "eigenvalues", Values::Numbers(spectrum.eigenvalues.iter().copied().take(kept).collect()));
+    add(Step::Spectral, "eigenvalues", Values::Numbers(spectrum.eigenvalues.clone()));
 
     let labels = partition.labels.iter().map(|label| label.map_or(-1.0, f64::from));
     add(Step::Kmeans, "clusters", count(partition.clusters));
@@ -94,77 +88,37 @@ pub fn stage_values(frame: &Frame, whole: bool) -> Vec<StageValue> {
     values
 }
 
-/// The sum, and a sum in which each place counts differently: two values that changed places show.
-fn summed(values: impl Iterator<Item = f64>) -> Values {
-    let (mut sum, mut by_place) = (0.0, 0.0);
-    for (place, value) in values.enumerate() {
-        sum += value;
-        by_place += value / (1.0 + place as f64);
-    }
-    Values::Numbers(vec![sum, by_place])
-}
-
-/// The sums of weights, and that of their logarithms, in which the weak ones show: they decide counts.
-fn summed_weights(weights: &[f64]) -> Values {
-    const NO_WEIGHT: f64 = 1e-16;
-    let logarithms = weights.iter().map(|weight| (weight + NO_WEIGHT).ln()).sum();
-    match summed(weights.iter().copied()) {
-        Values::Numbers(sums) => Values::Numbers(sums.into_iter().chain([logarithms]).collect()),
-        words => words,
-    }
-}
-
-/// The first value that differs by more than `tolerance` of its field: |a - b| is more than that share of the larger, and more
-/// than a thousandth of it.
-pub fn first_difference(
-    a: &[StageValue],
-    b: &[StageValue],
-    tolerance: impl Fn(&'static str) -> f64,
-) -> Option<Difference> {
+/// The first value that differs at all.
+pub fn first_difference(a: &[StageValue], b: &[StageValue]) -> Option<Difference> {
     a.iter().zip(b).find_map(|(a, b)| {
-        let (place, values) = difference(&a.value, &b.value, tolerance(a.field))?;
+        let (place, values) = difference(&a.value, &b.value)?;
         Some(Difference { step: a.step.name().to_owned(), field: format!("{}{place}", a.field), values })
     })
 }
 
-/// Values below this are compared as if they were as large: zeros come with rounding errors of any relative size.
-const ABSOLUTE: f64 = 1e-3;
-
 /// The place of the first difference, and both values there.
-fn difference(a: &Values, b: &Values, tolerance: f64) -> Option<(String, [String; 2])> {
-    match (a, b) {
+fn difference(a: &Values, b: &Values) -> Option<(String, [String; 2])> {
+    let differ = match (a, b) {
         (Values::Numbers(a), Values::Numbers(b)) => {
-            let is_same = |a: f64, b: f64| {
-                let allowed = tolerance * a.abs().max(b.abs()).max(ABSOLUTE);
-                a == b || (a.is_nan() && b.is_nan()) || (a - b).abs() <= allowed
-            };
+            let is_same = |a: f64, b: f64| a == b || (a.is_nan() && b.is_nan());
+            if a.len() != b.len() {
+                return Some((String::new(), [a, b].map(|of| format!("{} values", of.len()))));
+            }
             let number = |x: f64| format!("{x:?}").trim_end_matches(".0").to_owned();
             let name = |x: f64| if x.is_nan() { "none".to_owned() } else { number(x) };
-            if a.len() != b.len() {
-                let many = |of: &[f64]| format!("{} values", of.len());
-                return Some((String::new(), [many(a), many(b)]));
-            }
             let at = (0..a.len()).find(|&at| !is_same(a[at], b[at]))?;
-            let place = if a.len() == 1 { String::new() } else { format!("[{at}]") };
-            Some((place, [name(a[at]), name(b[at])]))
+            (at, a.len(), [name(a[at]), name(b[at])])
         }
-        (Values::Words(a), Values::Words(b)) if a != b => {
-            let at = (0..a.len().max(b.len())).find(|&at| a.get(at) != b.get(at))?;
+        (Values::Words(a), Values::Words(b)) => {
+            let most = a.len().max(b.len());
+            let at = (0..most).find(|&at| a.get(at) != b.get(at))?;
             let name = |of: &[String]| of.get(at).map_or_else(|| "none".to_owned(), |word| format!("{word:?}"));
-            Some((if a.len().max(b.len()) == 1 { String::new() } else { format!("[{at}]") }, [name(a), name(b)]))
+            (at, most, [name(a), name(b)])
         }
-        (Values::Words(_), Values::Words(_)) => None,
-        // Read from JSON, no words are no numbers either.
-        (Values::Numbers(none), words) if none.is_empty() => difference(&Values::Words(Vec::new()), words, tolerance),
-        (words, Values::Numbers(none)) if none.is_empty() => difference(words, &Values::Words(Vec::new()), tolerance),
-        (a, b) => difference(&Values::Words(vec![format!("{a:?}")]), &Values::Words(vec![format!("{b:?}")]), 0.0),
-    }
-}
-
-/// Numbers in which null stands for a missing one.
-fn numbers<'de, D: serde::Deserializer<'de>>(from: D) -> Result<Vec<f64>, D::Error> {
-    let numbers = Vec::<Option<f64>>::deserialize(from)?;
-    Ok(numbers.into_iter().map(|number| number.unwrap_or(f64::NAN)).collect())
+        _ => unreachable!("a value is numbers in every frame, or words in every frame"),
+    };
+    let (at, of, values) = differ;
+    Some((if of == 1 { String::new() } else { format!("[{at}]") }, values))
 }
 
 #[cfg(test)]
@@ -185,34 +139,15 @@ mod tests {
         let crosscut_stage::Weights::Dense(w) = &mut other.affinity.weights else { panic!("dense") };
         w[(2, 1)] = 0.25;
         other.spectrum.k = 7;
-        let of = |whole| first_difference(&stage_values(&frame(3), whole), &stage_values(&other, whole), |_| 1e-9);
-        assert_eq!(
-            difference(&Values::Numbers(vec![3.0]), &Values::Numbers(vec![0.03]), 0.0).expect("differs").1,
-            ["3", "0.03"]
-        );
-        assert_eq!(of(true).expect("differs").to_string(), "affinity: W[5] is 0.5 and 0.25");
-        assert_eq!(of(false).expect("differs").to_string(), "affinity: W[0] is 4.5 and 4.25");
+        let first = first_difference(&stage_values(&frame(3)), &stage_values(&other));
+        assert_eq!(first.expect("differs").to_string(), "affinity: W[5] is 0.5 and 0.25");
     }
 
     #[test]
-    fn a_tolerance_is_relative_above_a_thousandth_and_absolute_below() {
-        let value = |x| vec![StageValue { step: Step::Report, field: "widths", value: Values::Numbers(vec![x]) }];
-        let differ = |a, b| first_difference(&value(a), &value(b), |_| 0.01).is_some();
-        assert!(!differ(100.0, 100.9) && differ(100.0, 102.0));
-        assert!(!differ(1e-9, 9e-6) && differ(1e-9, 2e-5));
-        assert!(!differ(f64::NAN, f64::NAN) && differ(f64::NAN, 1.0), "a missing value is one of its own");
-    }
-
-    #[test]
-    fn values_read_back_also_where_one_is_missing() {
-        for value in [Values::Numbers(vec![0.1 + 0.2, 3.0]), Values::Words(vec!["tee".into()]), Values::Numbers(vec![])]
-        {
-            let text = serde_json::to_string(&value).expect("JSON");
-            assert_eq!(serde_json::from_str::<Values>(&text).expect("JSON"), value);
-        }
-        let missing = serde_json::to_string(&Values::Numbers(vec![f64::NAN])).expect("JSON");
-        assert_eq!(missing, "[null]");
-        let Values::Numbers(read) = serde_json::from_str(&missing).expect("JSON") else { panic!("numbers") };
-        assert!(read[0].is_nan());
+    fn values_differ_if_they_differ_at_all_and_a_missing_one_is_one_of_its_own() {
+        let values = |a: f64, b: f64| difference(&Values::Numbers(vec![a]), &Values::Numbers(vec![b]));
+        assert_eq!(values(3.0, 0.03).expect("differs").1, ["3", "0.03"]);
+        assert!(values(1.0, 1.0 + f64::EPSILON).is_some());
+        assert!(values(f64::NAN, f64::NAN).is_none() && values(f64::NAN, 1.0).is_some());
     }
 }

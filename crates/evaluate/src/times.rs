@@ -19,12 +19,15 @@ use crate::verdict::fair_coin;
 /// Times of the steps of one revolution, nanoseconds; 4.3 s at most.
 type StepTimes = [u32; Step::ALL.len()];
 
+/// Times by recording and revolution.
+type Taken = BTreeMap<(usize, u64), StepTimes>;
+
 /// The times of several configurations, revolution by revolution.
 #[derive(Clone, Debug, Default)]
 pub struct Stopwatch {
     names: Vec<String>,
-    /// For each configuration, by recording and revolution.
-    taken: Vec<BTreeMap<(usize, u64), StepTimes>>,
+    /// For each configuration.
+    taken: Vec<Taken>,
 }
 
 /// The median ratio of two times.
@@ -54,16 +57,21 @@ impl Stopwatch {
         self.taken[configuration].insert((recording, seq), taken);
     }
 
+    /// The median time of all steps but ingest of the configuration of this index, ms. `None` without revolutions.
+    ///
+    /// # Panics
+    /// If there is no such configuration.
+    pub fn median_ms(&self, configuration: usize) -> Option<f64> {
+        median_ms(&self.taken[configuration], &Step::ALL[1..])
+    }
+
     /// The median time of each step by configuration, ms, and beside it how much longer each takes than the first. `when` says
     /// under which circumstances. `None` without revolutions.
     pub fn table(&self, when: &str) -> Option<Table> {
         let (first, others) = self.taken.split_first().filter(|(first, _)| !first.is_empty())?;
         let row = |name: &str, steps: &[Step]| {
-            let of = |taken: &StepTimes| steps.iter().map(|step| f64::from(taken[*step as usize])).sum::<f64>();
-            let cell = |taken: &BTreeMap<_, StepTimes>| {
-                median(&mut taken.values().map(of).collect::<Vec<_>>())
-                    .map_or("-".to_owned(), |ns| format!("{:.3}", ns * 1e-6))
-            };
+            let of = |taken: &StepTimes| sum_ns(taken, steps);
+            let cell = |taken: &Taken| median_ms(taken, steps).map_or("-".to_owned(), |ms| format!("{ms:.3}"));
             let relative = others.iter().flat_map(|other| {
                 let pairs =
                     first.iter().filter_map(|(revolution, taken)| Some([of(taken), of(other.get(revolution)?)]));
@@ -109,6 +117,15 @@ impl std::fmt::Display for Ratio {
         write!(f, "{:.decimals$}", self.median)?;
         self.interval95.map_or(Ok(()), |[low, high]| write!(f, " [{low:.decimals$}, {high:.decimals$}]"))
     }
+}
+
+fn sum_ns(taken: &StepTimes, steps: &[Step]) -> f64 {
+    steps.iter().map(|step| f64::from(taken[*step as usize])).sum()
+}
+
+fn median_ms(taken: &Taken, steps: &[Step]) -> Option<f64> {
+    let median_ns = median(&mut taken.values().map(|taken| sum_ns(taken, steps)).collect::<Vec<_>>());
+    median_ns.map(|ns| ns * 1e-6)
 }
 
 /// Sorts the values; the mean of the middle two if their number is even.

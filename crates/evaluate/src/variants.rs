@@ -96,7 +96,7 @@ impl Variants {
 
     /// Gives `frame` with the answer of each configuration to `each`, with the configuration's place. Where a stage failed,
     /// the failure is in the frame. The times in the frame are those of the stages that led to the answer.
-    pub fn process(&mut self, frame: &mut Frame, each: &mut impl FnMut(usize, &Frame)) {
+    pub fn process(&mut self, frame: &mut Frame, each: &mut impl FnMut(usize, &mut Frame)) {
         walk(&mut self.branches, frame, each);
     }
 }
@@ -111,7 +111,7 @@ fn branch(level: &mut Vec<Branch>, settings: String, run: impl FnOnce() -> Run) 
     &mut level[at]
 }
 
-fn walk(branches: &mut [Branch], frame: &mut Frame, each: &mut impl FnMut(usize, &Frame)) {
+fn walk(branches: &mut [Branch], frame: &mut Frame, each: &mut impl FnMut(usize, &mut Frame)) {
     let notes = frame.notes.clone();
     let failure = frame.failure.take();
     for branch in branches {

@@ -98,6 +98,14 @@ impl Surer {
         }
     }
 
+    /// Adds the revolutions of `other`.
+    pub fn merge(&mut self, other: Self) {
+        self.differ += other.differ;
+        self.of += other.of;
+        self.first += other.first;
+        self.second += other.second;
+    }
+
     /// "A and B differ in 40 of 688, in 31 of them A is surer".
     pub fn sentence(&self, first: &str, second: &str) -> String {
         let differ = format!("{first} and {second} differ in {} of {}", thousands(self.differ), thousands(self.of));

@@ -2,7 +2,7 @@
 
 use crosscut_stage::{Frame, Spectrum, Weights};
 
-use crate::{Edge, WallEdges};
+use crate::wall_edges::{Edge, WallEdges};
 
 /// Eigenvalue and Rayleigh quotient agree if they differ by at most this factor.
 const AGREEMENT: f64 = 10.0;

@@ -15,17 +15,19 @@
 //! an upper bound of the eigenvalue of that split, and a close one for weights that differ by decades. An eigenvalue is
 //! attributed to an edge only where the two agree within a decade.
 //!
-//! Cost: O(n²) for a dense W, O(e log e) for a sparse one with e entries.
+//! Cost: O(e log e) for a W with e entries.
 
 mod bottleneck;
 mod change;
 mod closest;
 mod edges;
 mod sentence;
+mod wall_edges;
 mod watch;
 mod words;
 
 pub use change::Change;
-pub use edges::{Edge, Explanation, WallEdges};
+pub use edges::Explanation;
+pub use wall_edges::{Edge, WallEdges};
 pub use watch::{Doubt, Event, Watch};
 pub use words::{inequality, widths};

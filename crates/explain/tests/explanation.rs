@@ -1,6 +1,7 @@
 //! Explanations of graphs small enough to be worked out by hand.
 
 use crosscut_explain::{Edge, Event, Explanation, Watch};
+use crosscut_stage::NoteCode::N101;
 use crosscut_stage::{Beam, Frame, Measured, Place, Point, Sweep, Verdict, Wall, Weights};
 use faer::Mat;
 
@@ -174,7 +175,7 @@ fn the_text_names_beams_distances_weights_and_notes() {
     let mut beams: Vec<Beam> = (0..7).map(Beam::Return).collect();
     beams.insert(3, Beam::NoReturn);
     frame.revolution.sweep = Some(Sweep { beams, ..Sweep::default() });
-    frame.notes.add("3 beams masked");
+    frame.notes.add(N101, "3 beams masked");
     frame.junction.junctions = 2;
     let wall = |id, returns| Wall { id, returns, bearing_rad: [0.0; 2], island: false };
     frame.junction.walls = vec![wall(0, 4), wall(1, 3)];

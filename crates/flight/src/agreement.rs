@@ -26,20 +26,22 @@ const FIRST_COMPARISONS: f64 = 2.0;
 /// Odometry and scans that differ by this many standard deviations show a slip or a jump.
 const SURPRISING: f64 = 6.0;
 
-/// A slip is looked for over the last steps, up to this way.
+/// A slip is looked for over the last steps whose way is at most this.
 const SLIP_M: f64 = 2.5;
 
-/// And to this many steps: a vehicle that stands makes no way.
+/// A slip is looked for over at most this many steps: a vehicle that stands makes no way.
 const SLIP_STEPS: usize = 30;
 
-/// A pose that is matched to walls is off by this where it is remembered worst (M, standard deviations): between rough walls
-/// the sum has minima beside each other along the passage.
+/// Worst-case error of the position of a matched pose (M, standard deviation): between rough walls the cost has side minima
+/// along the passage.
 const MATCHED_M: f64 = 0.05;
+
+/// Worst-case error of the heading of a matched pose (M, standard deviation).
 const MATCHED_RAD: f64 = 0.01;
 
 /// Compares the motions that odometry and scans show between the same revolutions.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Agreement {
+pub(crate) struct OdometryAgreement {
     /// The last steps, the latest first.
     steps: VecDeque<Steps>,
     /// Odometry less scans, in the frame of each step's beginning.
@@ -84,7 +86,7 @@ pub(crate) struct Compared {
     pub(crate) is_new: bool,
 }
 
-impl Agreement {
+impl OdometryAgreement {
     /// Adds the steps of both from one revolution to the next. What they show once they have moved far enough.
     pub(crate) fn add(&mut self, odometry: &Isometry2<f64>, scans: &Isometry2<f64>) -> Option<Compared> {
         self.apart_m += odometry.translation.vector - scans.translation.vector;
@@ -172,14 +174,14 @@ mod tests {
 
     use super::*;
 
-    fn compare(agreement: &mut Agreement, odometry_m: f64, scans_m: f64) -> Vec<Compared> {
+    fn compare(agreement: &mut OdometryAgreement, odometry_m: f64, scans_m: f64) -> Vec<Compared> {
         let [odometry, scans] = [odometry_m, scans_m].map(|step_m| Isometry2::translation(step_m, 0.0));
         (0..100).filter_map(|_| agreement.add(&odometry, &scans)).collect()
     }
 
     #[test]
     fn odometry_that_stands_still_contradicts_scans_that_move_and_is_believed_again() {
-        let mut agreement = Agreement::default();
+        let mut agreement = OdometryAgreement::default();
         let compared = compare(&mut agreement, 0.0, 0.1);
         assert!(compared.len() == 3 && compared.iter().all(|compared| compared.contradicts), "{compared:?}");
         assert!(compared[0].is_new && !compared[1].is_new && agreement.contradicts());
@@ -189,7 +191,7 @@ mod tests {
 
     /// The steps, of 100 of 0.1 m each, at which a slip is found where the odometry moves by more than the scans in some.
     fn slips(excess_m: impl Fn(i32) -> f64) -> Vec<i32> {
-        let mut agreement = Agreement::default();
+        let mut agreement = OdometryAgreement::default();
         let covariance = Matrix3::from_diagonal_element(0.01 * 0.01);
         let scans = Isometry2::translation(0.1, 0.0);
         let slip = |at: &i32| {
@@ -210,10 +212,10 @@ mod tests {
 
     #[test]
     fn the_share_of_an_exact_odometry_falls_and_that_of_a_long_one_is_its_own() {
-        let mut exact = Agreement::default();
+        let mut exact = OdometryAgreement::default();
         compare(&mut exact, 0.1, 0.1);
         assert!(exact.share(0.05) < 0.04, "{}", exact.share(0.05));
-        let mut long = Agreement::default();
+        let mut long = OdometryAgreement::default();
         (0..10).for_each(|_| drop(compare(&mut long, 0.11, 0.1)));
         assert!((long.share(0.05) - 0.09).abs() < 0.01, "{}", long.share(0.05));
     }

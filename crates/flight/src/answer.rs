@@ -2,6 +2,7 @@
 
 use crosscut_stage::{Frame, PoseDoubt};
 use nalgebra::Isometry2;
+use serde::{Deserialize, Serialize};
 
 /// What the flight so far adds to the answer for one revolution. [`Flight`](crate::Flight) leaves it in the frame.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -113,7 +114,7 @@ pub struct Steady {
 }
 
 /// An opening that is followed from revolution to revolution.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SteadyOpening {
     /// Its number in the flight.
     pub track: u64,

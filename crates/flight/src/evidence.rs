@@ -14,7 +14,7 @@ use crate::local_map::{LocalMap, Near, ROUNDING_M, TURNED_RAD};
 
 /// The sum at a pose, with its gradient and curvature (Gauss-Newton) by x, y and yaw.
 #[derive(Default)]
-pub(crate) struct Evidence {
+pub(crate) struct MatchEvidence {
     pub(crate) cost: f64,
     pub(crate) information: Matrix3<f64>,
     pub(crate) gradient: Vector3<f64>,
@@ -38,26 +38,26 @@ struct Lookup {
     wall: Option<LinePoint>,
     /// The wall is the nearest while the line point is within this distance of `at`.
     holds_m2: f64,
-    at: Place,
+    at: PosedPoint,
     near: Near,
     /// Where those near it were looked up.
-    near_at: Place,
+    near_at: PosedPoint,
 }
 
 /// Where a line point was, and the yaw of the pose.
 #[derive(Clone, Copy, Debug, Default)]
-struct Place {
+struct PosedPoint {
     at_m: Point2<f64>,
     yaw_rad: f64,
 }
 
 impl Lookup {
-    fn holds(&self, at: &Place) -> bool {
+    fn holds(&self, at: &PosedPoint) -> bool {
         (at.at_m - self.at.at_m).norm_squared() < self.holds_m2 && (at.yaw_rad - self.at.yaw_rad).abs() < TURNED_RAD
     }
 
     /// Finds the wall beside a line point, which lies at `at`.
-    fn find(&mut self, point: &LinePoint, at: Place, walls: &LocalMap) {
+    fn find(&mut self, point: &LinePoint, at: PosedPoint, walls: &LocalMap) {
         let others_m = self.near.others_m - (at.at_m - self.near_at.at_m).norm() - ROUNDING_M;
         let mut found = walls.nearest_of(&self.near, point);
         let mut beyond_m = others_m - found.apart_m;
@@ -90,11 +90,11 @@ impl Matching {
     }
 
     /// How the line points lie on walls at a pose; the same walls since [`Matching::begin`].
-    pub(crate) fn at(&mut self, pose: &Isometry2<f64>, walls: &LocalMap, kernel_m: f64) -> Evidence {
-        let mut evidence = Evidence::default();
+    pub(crate) fn at(&mut self, pose: &Isometry2<f64>, walls: &LocalMap, kernel_m: f64) -> MatchEvidence {
+        let mut evidence = MatchEvidence::default();
         let yaw_rad = pose.rotation.angle();
         for (point, lookup) in self.points.iter().zip(&mut self.lookups) {
-            let at = Place { at_m: pose * point.position_m, yaw_rad };
+            let at = PosedPoint { at_m: pose * point.position_m, yaw_rad };
             if !lookup.holds(&at) {
                 lookup.find(&point.at(pose), at, walls);
             }
@@ -106,7 +106,7 @@ impl Matching {
     }
 }
 
-impl Evidence {
+impl MatchEvidence {
     fn mirrored(mut self) -> Self {
         self.information.fill_lower_triangle_with_upper_triangle();
         self.noise.fill_lower_triangle_with_upper_triangle();

@@ -9,9 +9,8 @@ use crate::steady::Steadier;
 
 /// Section `flight` of the configuration.
 pub const PARAMS: &[ParamSpec] = &{
-    let [pose, share, floor] = POSE_PARAMS;
-    let [widths, least, farthest] = PLACE_PARAMS;
-    [pose, share, floor, widths, least, farthest]
+    let ([pose, share], [widths]) = (POSE_PARAMS, PLACE_PARAMS);
+    [pose, share, widths]
 };
 
 /// Adds to each frame of a flight what the flight so far shows.

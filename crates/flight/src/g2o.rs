@@ -6,7 +6,7 @@ use std::str::SplitAsciiWhitespace;
 
 use nalgebra::{Isometry2, Matrix3, Vector2};
 
-use crate::{Edge, PoseGraph};
+use crate::{Constraint, PoseGraph};
 
 /// What is wrong with a line of a g2o file.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -27,7 +27,7 @@ pub fn write_g2o(graph: &PoseGraph) -> String {
     for (id, pose) in graph.poses.iter().enumerate() {
         writeln!(text, "VERTEX_SE2 {id} {}", numbers(pose)).expect("a String takes all that is written");
     }
-    for Edge { from, to, measured, information } in &graph.edges {
+    for Constraint { from, to, measured, information } in &graph.edges {
         write!(text, "EDGE_SE2 {from} {to} {}", numbers(measured)).expect("a String takes all that is written");
         for (row, column) in upper_triangle() {
             write!(text, " {:?}", information[(row, column)]).expect("a String takes all that is written");
@@ -46,7 +46,7 @@ pub fn read_g2o(text: &str) -> Result<PoseGraph, G2oError> {
     let mut edges = Vec::new();
     for (at, content) in text.lines().enumerate() {
         let line = at + 1;
-        let mut words = Words { words: content.split_ascii_whitespace(), line };
+        let mut words = LineWords { words: content.split_ascii_whitespace(), line };
         match words.words.next() {
             None | Some("FIX") => {}
             Some(comment) if comment.starts_with('#') => {}
@@ -63,7 +63,7 @@ pub fn read_g2o(text: &str) -> Result<PoseGraph, G2oError> {
     let index: BTreeMap<u64, usize> = poses.keys().enumerate().map(|(index, &id)| (id, index)).collect();
     let named = |line, id| index.get(&id).copied().ok_or_else(|| G2oError { line, what: format!("no vertex {id}") });
     let edge = |(line, from, to, measured, information)| {
-        Ok(Edge { from: named(line, from)?, to: named(line, to)?, measured, information })
+        Ok(Constraint { from: named(line, from)?, to: named(line, to)?, measured, information })
     };
     Ok(PoseGraph {
         edges: edges.into_iter().map(edge).collect::<Result<_, _>>()?,
@@ -76,12 +76,12 @@ fn upper_triangle() -> impl Iterator<Item = (usize, usize)> {
 }
 
 /// The words of one line.
-struct Words<'a> {
+struct LineWords<'a> {
     words: SplitAsciiWhitespace<'a>,
     line: usize,
 }
 
-impl Words<'_> {
+impl LineWords<'_> {
     fn id(&mut self) -> Result<u64, G2oError> {
         self.parse("a vertex id")
     }

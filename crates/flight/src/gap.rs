@@ -21,30 +21,30 @@ pub(crate) struct Clock {
 
 /// From one stamp to the next, seconds; below 0 if the stamps jump back.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Gap(f64);
+pub(crate) struct TimeGap(f64);
 
 impl Clock {
     /// The gap before a revolution, if there is one.
-    pub(crate) fn gap(&mut self, stamp_ns: u64) -> Option<Gap> {
+    pub(crate) fn gap(&mut self, stamp_ns: u64) -> Option<TimeGap> {
         let last_ns = self.last_ns.replace(stamp_ns)?;
         let since_s = (i128::from(stamp_ns) - i128::from(last_ns)) as f64 * 1e-9;
         // The first interval is taken to be a usual one.
         let usual_s = *self.usual_s.get_or_insert(since_s.max(0.0));
         if since_s < -BACK_S || since_s > GAP_S.max(GAP_INTERVALS * usual_s) {
-            return Some(Gap(since_s));
+            return Some(TimeGap(since_s));
         }
         self.usual_s = Some(usual_s + FOLLOWED * (since_s.max(0.0) - usual_s));
         None
     }
 }
 
-impl Gap {
+impl TimeGap {
     pub(crate) fn is_back(self) -> bool {
         self.0 < 0.0
     }
 }
 
-impl fmt::Display for Gap {
+impl fmt::Display for TimeGap {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.is_back() {
             true => write!(f, "the stamps jump back by {:.1} s", -self.0),

@@ -37,22 +37,18 @@ const LOOK_WIDTHS: Number = Number::new("look_widths", "widths", 1.5)
     .to(10.0)
     .doc("the place is what lies this many widths around: half the local width, the rest of the widest opening if that is narrower; a shorter look misses mouths, a longer one sees the next junction");
 
-const LEAST_LOOK_M: Number = Number::new("least_look_m", "m", 1.5)
-    .above(0.0)
-    .to(100.0)
-    .follows("vehicle.width_m", 2.5)
-    .doc("the look is never shorter, so that it reaches past the vehicle in narrow places");
+/// The look is never shorter than this many times the width of the vehicle, so that it reaches past the vehicle in narrow
+/// places.
+const LEAST_LOOK_WIDTHS: f64 = 2.5;
 
-const FARTHEST_LOOK_M: Number = Number::new("farthest_look_m", "m", 12.0)
-    .above(0.0)
-    .to(1000.0)
-    .doc("the look is never longer, so that in a hall it stays where walls have enough returns; nor, in a limited view, than 12 m");
+/// The look is never longer, so that in a hall it stays where walls have enough returns.
+const FARTHEST_LOOK_M: f64 = 12.0;
 
 use crate::Tracked;
 use crate::surroundings::{REACH_M, Ray, RayEnd, Surroundings};
 
 /// Parameters of the place.
-pub(crate) const PLACE_PARAMS: [ParamSpec; 3] = [LOOK_WIDTHS.spec, LEAST_LOOK_M.spec, FARTHEST_LOOK_M.spec];
+pub(crate) const PLACE_PARAMS: [ParamSpec; 1] = [LOOK_WIDTHS.spec];
 
 /// The place is judged in three looks; where they differ it is in doubt.
 const LOOKS: [f64; 3] = [1.0, 0.85, 1.15];
@@ -95,8 +91,6 @@ const CHAMBER_WIDTHS: f64 = 1.5;
 #[derive(Clone, Debug)]
 pub struct Places {
     look_widths: f64,
-    least_look_m: f64,
-    farthest_look_m: f64,
     vehicle_width_m: f64,
     surroundings: Surroundings,
 }
@@ -104,13 +98,7 @@ pub struct Places {
 impl Places {
     /// From checked values of [`PARAMS`](crate::PARAMS), for a vehicle of this width.
     pub fn new(params: &Params, vehicle_width_m: f64) -> Self {
-        Self {
-            look_widths: params.get(LOOK_WIDTHS),
-            least_look_m: params.get(LEAST_LOOK_M),
-            farthest_look_m: params.get(FARTHEST_LOOK_M),
-            vehicle_width_m,
-            surroundings: Surroundings::default(),
-        }
+        Self { look_widths: params.get(LOOK_WIDTHS), vehicle_width_m, surroundings: Surroundings::default() }
     }
 
     /// What earlier scans saw is forgotten: the poses that follow do not go with those before.
@@ -125,7 +113,7 @@ impl Places {
         let view = sweep.view();
         let mut outline = Outline::of(revolution, sweep, junction, view)?;
         // A mouth shows where beams leave the look.
-        let mut farthest_look_m = self.farthest_look_m.min(sweep.range_max_m / FARTHEST_REACH);
+        let mut farthest_look_m = FARTHEST_LOOK_M.min(sweep.range_max_m / FARTHEST_REACH);
         if !view.full_turn {
             let tracked = tracked?;
             farthest_look_m = farthest_look_m.min(REACH_M / FARTHEST_REACH);
@@ -137,12 +125,13 @@ impl Places {
         // In a wide place the ways are as wide as its openings: a look of its own width would see a short one end.
         let opening_m = junction.openings.iter().map(|opening| opening.width_m).max_by(f64::total_cmp);
         let passage_m = opening_m.map_or(width_m, |opening_m| opening_m.min(width_m));
-        let wanted_m = (0.5 * width_m + (self.look_widths - 0.5) * passage_m).max(self.least_look_m);
+        let wanted_m =
+            (0.5 * width_m + (self.look_widths - 0.5) * passage_m).max(LEAST_LOOK_WIDTHS * self.vehicle_width_m);
         let look_m = wanted_m.min(farthest_look_m);
         let [place, shorter, longer] =
             LOOKS.map(|times| outline.place(times * look_m, width_m, self.vehicle_width_m, &junction.openings));
-        let Place { kind, ways, is_seen } = place?;
-        let is_alike = |other: &Option<Place>| {
+        let LookResult { kind, ways, is_seen } = place?;
+        let is_alike = |other: &Option<LookResult>| {
             other.as_ref().is_some_and(|other| (other.kind, other.ways.len()) == (kind, ways.len()))
         };
         let alike = 1 + [shorter, longer].iter().filter(|other| is_alike(other)).count();
@@ -158,7 +147,7 @@ impl Places {
 }
 
 /// The place within a circle.
-struct Place {
+struct LookResult {
     kind: HereKind,
     /// By bearing.
     ways: Vec<Way>,
@@ -264,7 +253,7 @@ impl Outline {
     }
 
     /// The place within a circle; `None` if too much of the circle was never seen.
-    fn place(&self, look_m: f64, width_m: f64, vehicle_width_m: f64, openings: &[Opening]) -> Option<Place> {
+    fn place(&self, look_m: f64, width_m: f64, vehicle_width_m: f64, openings: &[Opening]) -> Option<LookResult> {
         // In a narrow view no line through the sensor may be known: the width is then at least that of the circle.
         let least_m = vehicle_width_m.max(LEAST_MOUTH_WIDTHS * width_m.min(2.0 * look_m));
         let is_unseen = |ray: &Ray| ray.end == RayEnd::Unknown && ray.free_m <= look_m;
@@ -288,9 +277,9 @@ impl Outline {
                 nearest[run] = Some((near_m, index));
             }
         }
-        let is_deep = |run: &Run| run.reach_m >= LEAST_REACH * look_m;
+        let is_deep = |run: &BeamRun| run.reach_m >= LEAST_REACH * look_m;
         let behind = runs.iter().zip(&nearest).filter(|(run, opening)| opening.is_some() || is_deep(run));
-        let way = |run: &Run, opening: &Option<(f64, usize)>| {
+        let way = |run: &BeamRun, opening: &Option<(f64, usize)>| {
             let arc_m = self.arc_m(run.first - 1, run.first + run.len, look_m);
             let from_rad = self.bearing_rad(run.first - 1);
             Way {
@@ -312,12 +301,12 @@ impl Outline {
             _ => HereKind::Junction,
         };
         // A flight that begins at the face of a dead end sees the same walls behind it as one that begins in a passage.
-        (is_seen || ways.len() != 2).then_some(Place { kind, ways, is_seen })
+        (is_seen || ways.len() != 2).then_some(LookResult { kind, ways, is_seen })
     }
 
     /// The way that a run of rays which end at what was never seen is taken to be: between two walls that run on side by
     /// side.
-    fn unseen_way(&self, run: &Run, look_m: f64, least_m: f64) -> Option<Way> {
+    fn unseen_way(&self, run: &BeamRun, look_m: f64, least_m: f64) -> Option<Way> {
         let n = self.rays.len() as isize;
         let before = self.wall_end((run.first as isize - 1).rem_euclid(n), -1, look_m)?;
         let after = self.wall_end((run.first + run.len) as isize % n, 1, look_m)?;
@@ -356,25 +345,25 @@ impl Outline {
     }
 
     /// Runs of rays that `holds` is true for, at least this wide on the circle.
-    fn runs(&self, look_m: f64, least_m: f64, holds: impl Fn(&Ray) -> bool) -> Vec<Run> {
+    fn runs(&self, look_m: f64, least_m: f64, holds: impl Fn(&Ray) -> bool) -> Vec<BeamRun> {
         let n = self.rays.len();
         let ray = |at: usize| &self.rays[if at < n { at } else { at - n }];
         let is_in = |at: usize| holds(ray(at));
         // The widest rock parts the first mouth from the last.
         let (start, rock) = widest_run(n, |at| !is_in(at));
         if rock == 0 {
-            return vec![Run { first: n, len: n - 1, of: n, reach_m: f64::INFINITY }];
+            return vec![BeamRun { first: n, len: n - 1, of: n, reach_m: f64::INFINITY }];
         }
-        let mut runs: Vec<Run> = Vec::new();
+        let mut runs: Vec<BeamRun> = Vec::new();
         for at in (start..start + n).filter(|&at| is_in(at)) {
             let reach_m = ray(at).free_m;
-            let is_same = |run: &&mut Run| {
+            let is_same = |run: &&mut BeamRun| {
                 let last = run.first + run.len - 1;
                 at == last + 1 || self.arc_m(last, at, look_m) < LEAST_ROCK_M
             };
             match runs.last_mut().filter(is_same) {
                 Some(run) => (run.len, run.reach_m) = (at + 1 - run.first, run.reach_m.max(reach_m)),
-                None => runs.push(Run { first: at, len: 1, of: n, reach_m }),
+                None => runs.push(BeamRun { first: at, len: 1, of: n, reach_m }),
             }
         }
         // From the ray before a run to the one after it.
@@ -394,7 +383,7 @@ impl Outline {
 }
 
 /// A run of rays.
-struct Run {
+struct BeamRun {
     /// Its first ray, counted beyond the turn.
     first: usize,
     len: usize,
@@ -404,7 +393,7 @@ struct Run {
     reach_m: f64,
 }
 
-impl Run {
+impl BeamRun {
     /// The circle crosses rock somewhere.
     fn has_rock(&self) -> bool {
         self.reach_m.is_finite()

@@ -26,9 +26,11 @@ const PERHAPS_ALIKE: f64 = ALIKE - 2.0 * TURNED_RAD;
 /// This many line points are kept as the nearest of a place.
 const NEAREST: usize = 3;
 
-/// The bits of a squared distance, metres, that are the index of what lies so far, and no line point at all: a cell of a billion
-/// bytes' map has a lesser index, and distances are cut by less than [`ROUNDING_M`].
+/// Low 24 bits of the sort key: the index of the line point. The other bits are those of its squared distance, which is cut by
+/// less than [`ROUNDING_M`].
 const INDEX: u64 = (1 << 24) - 1;
+
+/// The sort key of no line point.
 const NOTHING: u64 = u64::MAX;
 
 /// Distances are compared with this much to spare, for rounding.
@@ -45,13 +47,13 @@ const NONE: u32 = u32::MAX;
 pub(crate) struct LocalMap {
     /// For each place in the table, the first of the cells that have it. Empty until there is a cell.
     first: Vec<u32>,
-    cells: Vec<Cell>,
+    cells: Vec<Bucket>,
     /// [`MAX_IN_CELL`] for each cell, of which the first ones count.
     points: Vec<LinePoint>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Cell {
+struct Bucket {
     at: [i32; 2],
     /// How many line points it has.
     len: usize,
@@ -71,7 +73,7 @@ pub(crate) struct Near {
 
 /// The nearest line point within a cell's side that faces the same way.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Nearest<'a> {
+pub(crate) struct NearestPoint<'a> {
     pub(crate) wall: Option<&'a LinePoint>,
     /// Its distance; a cell's side without it.
     pub(crate) apart_m: f64,
@@ -109,7 +111,7 @@ impl LocalMap {
     fn add_cell(&mut self, at: [i32; 2], filler: &LinePoint) -> usize {
         self.first.resize((TABLE * TABLE) as usize, NONE);
         let cell = self.cells.len();
-        self.cells.push(Cell { at, len: 0, next: NONE });
+        self.cells.push(Bucket { at, len: 0, next: NONE });
         self.points.resize(self.cells.len() * MAX_IN_CELL, *filler);
         self.link(cell);
         cell
@@ -223,7 +225,7 @@ impl LocalMap {
     }
 
     /// Of these, the nearest within a cell's side that faces the same way.
-    pub(crate) fn nearest_of(&self, near: &Near, point: &LinePoint) -> Nearest<'_> {
+    pub(crate) fn nearest_of(&self, near: &Near, point: &LinePoint) -> NearestPoint<'_> {
         let (mut wall, mut alike, mut least_m2, mut next_m2) = (None, 1.0, CELL_M * CELL_M, f64::INFINITY);
         for other in near.points[..near.len].iter().map(|&index| &self.points[index as usize]) {
             let apart_m2 = (other.position_m - point.position_m).norm_squared();
@@ -240,7 +242,7 @@ impl LocalMap {
         let next_m = 0.5 * (next_m2.sqrt() - apart_m);
         let holds_m = if wall.is_some() { next_m.min(CELL_M - apart_m) } else { next_m };
         let holds_m = if alike > SURELY_ALIKE { (holds_m - ROUNDING_M).max(0.0) } else { 0.0 };
-        Nearest { wall, apart_m, holds_m }
+        NearestPoint { wall, apart_m, holds_m }
     }
 }
 
@@ -318,7 +320,7 @@ mod tests {
         let spread = |i: u32, step: f64| (f64::from(i) * step).sin() * 4.0;
         let point = |i: u32| facing(spread(i, 1.7), spread(i, 2.9) - 7.0, [spread(i, 0.3), spread(i, 0.7) + 0.1]);
         (0..900).map(point).for_each(|point| map.insert(point));
-        let of_cell = |(at, cell): (usize, &Cell)| &map.points[at * MAX_IN_CELL..][..cell.len];
+        let of_cell = |(at, cell): (usize, &Bucket)| &map.points[at * MAX_IN_CELL..][..cell.len];
         let all: Vec<LinePoint> = map.cells.iter().enumerate().flat_map(of_cell).copied().collect();
         let mut found = 0;
         for asked in (1000..3000).map(|i| LinePoint { position_m: point(i).position_m * 1.3, ..point(i) }) {

@@ -2,9 +2,10 @@
 
 use nalgebra::{Isometry2, Matrix2, Matrix3, Point2, Vector3};
 
+use crosscut_stage::NoteCode::{self, N090, N091, N092, N093, N094, N095, N096, N097, N098};
 use crosscut_stage::{MotionDoubt, Notes, Number, ParamSpec, Params, PoseDoubt, Revolution, Word, is_finite_pose};
 
-use crate::agreement::{Agreement, Compared, Slip};
+use crate::agreement::{Compared, OdometryAgreement, Slip};
 use crate::gap::Clock;
 use crate::scan_match::NEIGHBOURS_M;
 use crate::{Held, Matched, Motion, ScanMatcher};
@@ -17,13 +18,11 @@ const ODOMETRY_SHARE: Number = Number::new("odometry_share", "", 0.05)
     .to(1.0)
     .doc("standard deviation of the odometry's motion between two revolutions, as a share of it");
 
-const ODOMETRY_FLOOR_M: Number = Number::new("odometry_floor_m", "m", 0.005)
-    .above(0.0)
-    .to(1.0)
-    .doc("added to that standard deviation, and in rad to that of its turn");
+/// Added to the standard deviation of the odometry's motion, m, and to that of its turn, rad.
+const ODOMETRY_FLOOR: f64 = 0.005;
 
 /// Parameters of the pose.
-pub(crate) const POSE_PARAMS: [ParamSpec; 3] = [POSE.spec, ODOMETRY_SHARE.spec, ODOMETRY_FLOOR_M.spec];
+pub(crate) const POSE_PARAMS: [ParamSpec; 2] = [POSE.spec, ODOMETRY_SHARE.spec];
 
 /// A motion farther than this many standard deviations from steady motion, where nothing else predicts it, is noted as a jump.
 const SURPRISING: f64 = 6.0;
@@ -43,9 +42,8 @@ const TREMBLES_RAD: f64 = 0.005;
 pub struct PoseTracker {
     kind: PoseKind,
     odometry_share: f64,
-    odometry_floor_m: f64,
     matcher: ScanMatcher,
-    agreement: Agreement,
+    agreement: OdometryAgreement,
     clock: Clock,
     /// The last odometry, and the pose of its revolution.
     odometry: Option<(Isometry2<f64>, Isometry2<f64>)>,
@@ -86,9 +84,8 @@ impl PoseTracker {
         Self {
             kind,
             odometry_share: params.get(ODOMETRY_SHARE),
-            odometry_floor_m: params.get(ODOMETRY_FLOOR_M),
             matcher: ScanMatcher::default(),
-            agreement: Agreement::default(),
+            agreement: OdometryAgreement::default(),
             clock: Clock::default(),
             odometry: None,
             pose: Isometry2::identity(),
@@ -104,7 +101,7 @@ impl PoseTracker {
         }
         let odometry = revolution.odometry.filter(is_finite_pose);
         if odometry.is_none() && revolution.odometry.is_some() {
-            notes.add("pose: the odometry is not finite");
+            notes.add(N090, "pose: the odometry is not finite");
         }
         let had_odometry = self.odometry.is_some() || odometry.is_some();
         let motion = self.odometry.zip(odometry).map(|((before, there), now)| self.motion(there, before.inv_mul(&now)));
@@ -113,7 +110,10 @@ impl PoseTracker {
         if let Some(gap) = self.clock.gap(revolution.stamp_ns) {
             let is_bridged = motion.is_some() && !gap.is_back() && !self.agreement.contradicts();
             if !is_bridged {
-                notes.add(format!("pose: {gap}; a new stretch begins, how it lies to the one before is not known"));
+                notes.add(
+                    N096,
+                    format!("pose: {gap}; a new stretch begins, how it lies to the one before is not known"),
+                );
                 self.matcher.forget();
                 (motion, begins) = (None, true);
             }
@@ -122,12 +122,12 @@ impl PoseTracker {
         let (pose, doubt, lost) = if by_odometry {
             if !had_odometry {
                 if self.kind != PoseKind::Auto {
-                    notes.add("pose: no odometry yet");
+                    notes.add(N091, "pose: no odometry yet");
                 }
                 return None;
             }
             if odometry.is_none() {
-                notes.add("pose: no odometry at this time; the pose before");
+                notes.add(N092, "pose: no odometry at this time; the pose before");
             }
             let pose = motion.map_or(self.pose, |motion| self.pose * motion.step);
             (pose, self.by_odometry(&pose, self.odometry_share), false)
@@ -137,7 +137,7 @@ impl PoseTracker {
                 kind => kind == PoseKind::OdometryScanMatch,
             };
             if odometry.is_none() && is_expected {
-                notes.add("pose: no odometry at this time; by the scan alone");
+                notes.add(N093, "pose: no odometry at this time; by the scan alone");
             }
             let predicted = motion.filter(|_| !self.agreement.contradicts());
             let matched = self.matcher.add(revolution, predicted);
@@ -162,8 +162,8 @@ impl PoseTracker {
     /// The motion since the revolution before, by a step of the odometry from the pose `there`.
     fn motion(&self, there: Isometry2<f64>, step: Isometry2<f64>) -> Motion {
         let (moved_m, turned_rad) = (step.translation.vector.norm(), step.rotation.angle().abs());
-        let deviation_m = self.odometry_floor_m + self.odometry_share * moved_m;
-        let deviation_rad = self.odometry_floor_m + self.odometry_share * turned_rad;
+        let deviation_m = ODOMETRY_FLOOR + self.odometry_share * moved_m;
+        let deviation_rad = ODOMETRY_FLOOR + self.odometry_share * turned_rad;
         let deviations = Vector3::new(deviation_m, deviation_m, deviation_rad);
         let covariance = Matrix3::from_diagonal(&deviations.component_mul(&deviations));
         let step = self.pose.inv_mul(&(there * step));
@@ -200,14 +200,14 @@ impl PoseTracker {
     }
 
     /// Says once more that the length is not known, for as long as it is so.
-    fn unknown_length(&self, matched: &Matched, has_odometry: bool) -> Option<&'static str> {
+    fn unknown_length(&self, matched: &Matched, has_odometry: bool) -> Option<(NoteCode, &'static str)> {
         let is_guessed = matches!(matched.held, Held::ButAlong(_)) && !has_odometry;
         let is_unknown = is_guessed && self.doubt.sd_m(Point2::from(matched.pose.translation.vector)).is_none();
-        is_unknown.then_some("pose: the walls do not show how far along the passage; its length is not known")
+        is_unknown.then_some((N097, "pose: the walls do not show how far along the passage; its length is not known"))
     }
 
     /// A slip of the wheels, or a jump.
-    fn slip(&mut self, odometry: Option<&Motion>, matched: &Matched) -> Option<String> {
+    fn slip(&mut self, odometry: Option<&Motion>, matched: &Matched) -> Option<(NoteCode, String)> {
         let is_held = !matched.lost && matched.held == Held::Everywhere && !self.agreement.contradicts();
         let Some(odometry) = odometry.filter(|_| is_held) else {
             self.agreement.interrupt();
@@ -218,11 +218,11 @@ impl PoseTracker {
         let moved = |[way_m, turn_rad]: [f64; 2]| format!("{way_m:.1} m and {:.0} degrees", turn_rad.to_degrees());
         let (odometry, scans) = (moved(odometry), moved(scans));
         let apart = format!("{deviations:.0} standard deviations apart");
-        Some(format!("pose: a slip or a jump: the odometry moved by {odometry}, the scans by {scans}, {apart}"))
+        Some((N095, format!("pose: a slip or a jump: the odometry moved by {odometry}, the scans by {scans}, {apart}")))
     }
 
     /// Compares odometry and scans, and what there is to note about it.
-    fn compare(&mut self, odometry: &Motion, matched: &Matched) -> Option<String> {
+    fn compare(&mut self, odometry: &Motion, matched: &Matched) -> Option<(NoteCode, String)> {
         let are_neighbours = odometry.step.translation.vector.norm() < NEIGHBOURS_M;
         if matched.lost || matched.held != Held::Everywhere || !are_neighbours {
             return None;
@@ -234,9 +234,8 @@ impl PoseTracker {
             (false, true) => "believed again",
             (false, false) => return None,
         };
-        Some(format!(
-            "pose: the odometry moved by {odometry_m:.1} m, the scans by {scans_m:.1} m: the odometry is {what}"
-        ))
+        let moved = format!("the odometry moved by {odometry_m:.1} m, the scans by {scans_m:.1} m");
+        Some((N098, format!("pose: {moved}: the odometry is {what}")))
     }
 }
 
@@ -247,14 +246,17 @@ fn deviation_m(matched: &Matched, along: &nalgebra::Unit<nalgebra::Vector2<f64>>
 }
 
 /// What is odd about a match.
-fn odd(matched: &Matched, begins: bool, has_odometry: bool) -> Option<String> {
+fn odd(matched: &Matched, begins: bool, has_odometry: bool) -> Option<(NoteCode, String)> {
     if matched.lost {
         let share = 100.0 * matched.matched;
         let stretch = if begins { ": a new stretch" } else { "" };
-        Some(format!("pose: lost, as only {share:.0} % of the walls match those before; the map begins here{stretch}"))
+        Some((
+            N094,
+            format!("pose: lost, as only {share:.0} % of the walls match those before; the map begins here{stretch}"),
+        ))
     } else if matched.surprise > SURPRISING && !has_odometry {
         let times = matched.surprise;
-        Some(format!("pose: a slip or a jump, {times:.0} standard deviations from steady motion"))
+        Some((N095, format!("pose: a slip or a jump, {times:.0} standard deviations from steady motion")))
     } else {
         None
     }

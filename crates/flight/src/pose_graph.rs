@@ -24,7 +24,7 @@ const MAX_ITERATIONS: usize = 100;
 
 /// What an edge measures, and how well.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Edge {
+pub struct Constraint {
     /// Index of the pose from which it was measured.
     pub from: usize,
     /// Index of the pose that was measured.
@@ -35,13 +35,19 @@ pub struct Edge {
     pub information: Matrix3<f64>,
 }
 
+/// Information of a measurement with these standard deviations.
+pub(crate) fn information(deviation_m: f64, deviation_rad: f64) -> Matrix3<f64> {
+    let of = |deviation: f64| 1.0 / (deviation * deviation);
+    Matrix3::from_diagonal(&Vector3::new(of(deviation_m), of(deviation_m), of(deviation_rad)))
+}
+
 /// Poses, and measurements of one from another.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PoseGraph {
     /// The poses, by index. The first one is held when the graph is solved.
     pub poses: Vec<Isometry2<f64>>,
     /// The measurements.
-    pub edges: Vec<Edge>,
+    pub edges: Vec<Constraint>,
 }
 
 /// Why a pose graph has no solution.
@@ -80,7 +86,7 @@ pub struct Solved {
     pub iterations: usize,
 }
 
-impl Edge {
+impl Constraint {
     /// The error of the measurement at the poses `from` and `to`: metres, metres, radians.
     pub fn error(&self, from: &Isometry2<f64>, to: &Isometry2<f64>) -> Vector3<f64> {
         let seen = from.inv_mul(to);
@@ -144,20 +150,20 @@ impl PoseGraph {
 
     fn check(&self) -> Result<(), PoseGraphError> {
         let measured = self.edges.iter().map(|edge| &edge.measured);
-        let is_known = |edge: &Edge| edge.information.iter().all(|value| value.is_finite());
+        let is_known = |edge: &Constraint| edge.information.iter().all(|value| value.is_finite());
         if !self.poses.iter().chain(measured).all(is_finite_pose) || !self.edges.iter().all(is_known) {
             return Err(PoseGraphError::NotFinite);
         }
         let poses = self.poses.len();
         let wrong = self.edges.iter().position(|edge| edge.from == edge.to || edge.from.max(edge.to) >= poses);
         wrong.map_or(Ok(()), |edge| {
-            let Edge { from, to, .. } = self.edges[edge];
+            let Constraint { from, to, .. } = self.edges[edge];
             Err(PoseGraphError::NoSuchPose { edge, from, to, poses })
         })
     }
 
     fn error_at(&self, poses: &[Isometry2<f64>]) -> f64 {
-        let of_edge = |edge: &Edge| {
+        let of_edge = |edge: &Constraint| {
             let error = edge.error(&poses[edge.from], &poses[edge.to]);
             error.dot(&(edge.information * error))
         };

@@ -18,7 +18,7 @@ use nalgebra::{Isometry2, Matrix2, Matrix3, Point2, Unit, Vector2, Vector3};
 
 use crosscut_stage::{Revolution, wrap_angle_rad};
 
-use crate::evidence::{Evidence, Matching, stepped};
+use crate::evidence::{MatchEvidence, Matching, stepped};
 use crate::line_points::{LinePoint, least_axis, line_points};
 use crate::local_map::LocalMap;
 
@@ -31,29 +31,38 @@ const KERNEL_M: f64 = 0.15;
 /// The iteration ends at a step shorter than this, metres and radians.
 const CONVERGED: f64 = 1e-3;
 
-/// It is on its way to a pose that was found from another start once it is nearer to it than this, metres and radians.
+/// The iteration stops when the iterate is this close to a minimum already found, metres and radians.
 const FOUND: f64 = 0.01;
+
+/// The iteration ends after this many steps.
 const MAX_ITERATIONS: usize = 25;
 
 /// Line points farther than this from the vehicle are forgotten.
 const MAP_RADIUS_M: f64 = 40.0;
 
-/// A revolution adds its line points to the map once the vehicle has moved or turned this far since the last that did.
+/// A revolution adds its line points to the map once the vehicle has moved this far since the last revolution that did.
 const KEYFRAME_M: f64 = 0.5;
+
+/// A revolution adds its line points to the map once the vehicle has turned this far since the last revolution that did.
 const KEYFRAME_RAD: f64 = 0.15;
 
 /// Below this share of matched line points the pose is not believed.
 const LEAST_MATCHED: f64 = 0.3;
 
-/// A match is as odd as how far its share lies below the usual one, as a multiple of this, and its motion from the predicted
-/// one, in this many standard deviations, together. Where odometry does not lead on and a match is odder than this, its scan
-/// is no neighbour of the one before: other walls may lie on those as well, too.
+/// The oddness of a match grows by 1 for each multiple of this by which its share lies below the usual share.
 const UNUSUAL_SHARE: f64 = 0.05;
+
+/// The oddness of a match grows by 1 for each multiple of this many standard deviations between its motion and the predicted
+/// motion.
 const UNUSUAL_DEVIATIONS: f64 = 2.0;
+
+/// Without odometry, the scan of a match odder than this is no neighbour of the scan before: other walls may fit by chance.
 const UNUSUAL: f64 = 5.5;
 
-/// The usual share follows this share of each difference, and is known after this many revolutions.
+/// The usual share is moved by this part of each difference from it.
 const FOLLOWED: f64 = 0.1;
+
+/// The usual share is known after this many revolutions.
 const USUAL_AFTER: u32 = 5;
 
 /// At most this many line points are matched, evenly chosen; more add time and no certainty.
@@ -158,8 +167,8 @@ struct Prediction {
 }
 
 /// The walls' part of the sum at a pose, less what noise makes.
-struct Walls {
-    evidence: Evidence,
+struct MatchedWalls {
+    evidence: MatchEvidence,
     held: Held,
 }
 
@@ -175,7 +184,7 @@ impl ScanMatcher {
             let held = if self.map.is_empty() { Held::Everywhere } else { Held::Nowhere };
             Matched { matched: 1.0, lost: false, held, ..prediction.lost() }
         } else {
-            // Walls off by more than the kernel do not pull: after a slip the minimum lies near the steady motion.
+            // MatchedWalls off by more than the kernel do not pull: after a slip the minimum lies near the steady motion.
             self.matching.begin(self.line_points.iter().copied());
             let first = self.align(&prediction, None);
             // What ends where this did is no better, unless the prediction pulls at it by more than the other's lead.
@@ -253,7 +262,7 @@ impl ScanMatcher {
                 break;
             }
         }
-        let Walls { evidence, held } = walls;
+        let MatchedWalls { evidence, held } = walls;
         let matched = evidence.matched as f64 / all;
         let off = difference(&pose, &prediction.pose);
         let prior = prediction.prior(held);
@@ -268,14 +277,14 @@ impl ScanMatcher {
         }
     }
 
-    fn walls_at(&mut self, pose: &Isometry2<f64>) -> Walls {
+    fn walls_at(&mut self, pose: &Isometry2<f64>) -> MatchedWalls {
         const WEIGHT: f64 = 1.0 / (DEVIATION_M * DEVIATION_M);
         let mut evidence = self.matching.at(pose, &self.map, KERNEL_M);
         let held = take_noise_off(&mut evidence);
         evidence.cost *= WEIGHT;
         evidence.information *= WEIGHT;
         evidence.gradient *= WEIGHT;
-        Walls { evidence, held }
+        MatchedWalls { evidence, held }
     }
 
     /// Adds the revolution to the map if the vehicle has moved or turned enough since the last one that was added.
@@ -342,7 +351,7 @@ impl Prediction {
 
 /// Takes what noise of the normals makes off the curvature and the gradient in the direction in which the walls hold the
 /// position least.
-fn take_noise_off(evidence: &mut Evidence) -> Held {
+fn take_noise_off(evidence: &mut MatchEvidence) -> Held {
     let all = &evidence.information;
     if evidence.matched == 0 || all[(2, 2)] <= 0.0 {
         return Held::Nowhere;

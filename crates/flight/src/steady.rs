@@ -44,18 +44,18 @@ pub(crate) struct Steadier {
 /// The last revolutions that answered.
 #[derive(Clone, Copy, Debug, Default)]
 struct Before {
-    count: Option<Moment>,
-    place: Option<Moment>,
+    count: Option<TakenAt>,
+    place: Option<TakenAt>,
 }
 
 /// When and where a revolution was taken.
 #[derive(Clone, Copy, Debug)]
-struct Moment {
+struct TakenAt {
     stamp_ns: u64,
     pose: Option<Isometry2<f64>>,
 }
 
-impl Moment {
+impl TakenAt {
     fn since(&self, before: Option<Self>) -> Since {
         let Some(before) = before else { return Since { way_m: 0.0, time_s: LONGEST_S } };
         let time_s = elapsed_s(before.stamp_ns, self.stamp_ns).min(LONGEST_S);
@@ -101,7 +101,7 @@ impl Steadier {
         if let Some(stretch) = stretch.filter(|stretch| *stretch != self.stretch) {
             *self = Self { stretch, next_track: self.next_track, ..Self::default() };
         }
-        let now = Moment { stamp_ns: frame.revolution.stamp_ns, pose: flown.pose };
+        let now = TakenAt { stamp_ns: frame.revolution.stamp_ns, pose: flown.pose };
         let yaw_rad = flown.pose.map_or(0.0, |pose| pose.rotation.angle());
         // A scan without returns, such as one that cannot be decoded, shows nothing.
         if !frame.revolution.is_empty() {
@@ -178,7 +178,8 @@ impl Steadier {
         openings
     }
 
-    /// The last place that was seen while it held, in the present heading. `since`: what has happened since the last one that showed a place.
+    /// The last confirmed place, turned to the current heading; its confidence decays with `since`, the way and the time since the
+    /// last revolution that showed a place.
     fn place(&self, openings: &[SteadyOpening], yaw_rad: f64, since: Since) -> Option<Here> {
         let (here, tracks) = self.here.as_ref()?;
         let confidence = self.place.confidence((here.kind, here.ways.len()), since);

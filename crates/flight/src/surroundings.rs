@@ -36,7 +36,7 @@ const MOST_OFF_M: f64 = 0.25;
 const JOINED_M: f64 = 1.2;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Seen {
+enum CellState {
     Never,
     Free,
     Wall,
@@ -47,7 +47,7 @@ const MOST_ODDS: i8 = 3;
 
 /// A cell.
 #[derive(Clone, Copy, Debug, Default)]
-struct Cell {
+struct SeenCell {
     /// How many more of the last scans saw a wall here than free space; below 0 the other way round.
     odds: i8,
     /// The last scan that saw it, counted from 1; scan 0 is none.
@@ -79,7 +79,7 @@ pub(crate) enum RayEnd {
 /// The cells around the vehicle.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Surroundings {
-    cells: Vec<Cell>,
+    cells: Vec<SeenCell>,
     /// The cell of the corner with the least coordinates, in whole numbers.
     corner: Vector2<f64>,
     added_from: Option<Isometry2<f64>>,
@@ -160,9 +160,9 @@ impl Surroundings {
         let mut free_m = RAY_FROM_M;
         while free_m < farthest_m {
             match self.at(pose.translation.vector + direction * free_m) {
-                Seen::Free => free_m += 0.5 * CELL_M,
-                Seen::Wall => return Ray { bearing_rad, free_m, end: RayEnd::WallBefore },
-                Seen::Never => return Ray { bearing_rad, free_m, end: RayEnd::Unknown },
+                CellState::Free => free_m += 0.5 * CELL_M,
+                CellState::Wall => return Ray { bearing_rad, free_m, end: RayEnd::WallBefore },
+                CellState::Never => return Ray { bearing_rad, free_m, end: RayEnd::Unknown },
             }
         }
         Ray { bearing_rad, free_m: farthest_m, end: RayEnd::Range }
@@ -176,7 +176,7 @@ impl Surroundings {
             return;
         }
         if self.doubts.len() > 1 {
-            let mut cells = vec![Cell::default(); SIDE * SIDE];
+            let mut cells = vec![SeenCell::default(); SIDE * SIDE];
             for y in 0..SIDE {
                 for x in 0..SIDE {
                     if let Some(at) = index(Vector2::new(x as f64, y as f64) + off) {
@@ -187,29 +187,35 @@ impl Surroundings {
             self.cells = cells;
         } else {
             // What is there was forgotten.
-            self.cells.resize(SIDE * SIDE, Cell::default());
+            self.cells.resize(SIDE * SIDE, SeenCell::default());
         }
         self.corner = corner;
     }
 
-    fn at(&self, place_m: Vector2<f64>) -> Seen {
+    fn at(&self, place_m: Vector2<f64>) -> CellState {
         let cell = index_of(self.corner, place_m).and_then(|at| self.cells.get(at)).copied().unwrap_or_default();
         match cell {
-            Cell { scan, .. } if scan <= self.forgotten => Seen::Never,
-            Cell { odds: 1.., .. } => Seen::Wall,
-            Cell { .. } => Seen::Free,
+            SeenCell { scan, .. } if scan <= self.forgotten => CellState::Never,
+            SeenCell { odds: 1.., .. } => CellState::Wall,
+            SeenCell { .. } => CellState::Free,
         }
     }
 }
 
 /// Sets what a scan saw at a place; the first that it is said to have seen there counts. `scans`: the last that is forgotten, and
 /// this one.
-fn set(cells: &mut [Cell], corner: Vector2<f64>, [forgotten, scan]: [u32; 2], place_m: Vector2<f64>, is_wall: bool) {
+fn set(
+    cells: &mut [SeenCell],
+    corner: Vector2<f64>,
+    [forgotten, scan]: [u32; 2],
+    place_m: Vector2<f64>,
+    is_wall: bool,
+) {
     let cell = index_of(corner, place_m).and_then(|at| cells.get_mut(at));
     if let Some(cell) = cell.filter(|cell| cell.scan != scan) {
         let before = if cell.scan > forgotten { cell.odds } else { 0 };
         let odds = before + if is_wall { 1 } else { -1 };
-        *cell = Cell { odds: odds.clamp(-MOST_ODDS, MOST_ODDS), scan };
+        *cell = SeenCell { odds: odds.clamp(-MOST_ODDS, MOST_ODDS), scan };
     }
 }
 

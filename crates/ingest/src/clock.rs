@@ -4,6 +4,8 @@
 //! it. Where it is not believed, the stamp tells the time, shifted by the usual difference of the two. A stamp that is
 //! missing, or is more than a day from where it should be, is replaced the other way round.
 
+use crosscut_stage::NoteCode::{self, N049, N057, N058};
+
 const NS_PER_S: u64 = 1_000_000_000;
 /// Times that are this far from where they should be are not believed.
 const DAY_NS: u64 = 24 * 3600 * NS_PER_S;
@@ -76,28 +78,28 @@ impl Clock {
     }
 
     /// When a scan was recorded, as far as anything tells, with a note if that is not its time of recording.
-    pub(crate) fn recorded_ns(&self, times: Times) -> (u64, Option<&'static str>) {
+    pub(crate) fn recorded_ns(&self, times: Times) -> (u64, Option<(NoteCode, &'static str)>) {
         if self.believes(times.log_ns) {
             return (times.log_ns, None);
         }
         let by_stamp = self.offset_ns.filter(|_| times.stamp_ns > 0).map(|offset| i128::from(times.stamp_ns) + offset);
         match by_stamp.and_then(|ns| u64::try_from(ns).ok()).filter(|ns| self.believes(*ns)) {
-            Some(ns) => (ns, Some("implausible time of recording, replaced by the stamp")),
-            None => (self.start_ns, Some("implausible time of recording, replaced by that of the first scan")),
+            Some(ns) => (ns, Some((N058, "implausible time of recording, replaced by the stamp"))),
+            None => (self.start_ns, Some((N058, "implausible time of recording, replaced by that of the first scan"))),
         }
     }
 
     /// The stamp of a scan that was recorded at `recorded_ns`, with a note if it is not its own.
-    pub(crate) fn stamp_ns(&self, stamp_ns: u64, recorded_ns: u64) -> (u64, Option<&'static str>) {
+    pub(crate) fn stamp_ns(&self, stamp_ns: u64, recorded_ns: u64) -> (u64, Option<(NoteCode, &'static str)>) {
         let expected = i128::from(recorded_ns) - self.offset_ns.unwrap_or(0);
         let is_off = (expected - i128::from(stamp_ns)).unsigned_abs() > u128::from(DAY_NS);
         let has_started = self.of_two_clocks() && expected.unsigned_abs() < u128::from(START_NS);
         let by_recording = if self.of_two_clocks() { u64::try_from(expected).unwrap_or(0) } else { recorded_ns };
         match stamp_ns {
             0 if has_started => (0, None),
-            0 => (by_recording, Some("no stamp: the time of recording is used")),
+            0 => (by_recording, Some((N049, "no stamp: the time of recording is used"))),
             _ if is_off && self.offset_ns.is_some() => {
-                (by_recording, Some("the stamp is more than a day off: the time of recording is used"))
+                (by_recording, Some((N057, "the stamp is more than a day off: the time of recording is used")))
             }
             _ => (stamp_ns, None),
         }

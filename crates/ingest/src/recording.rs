@@ -7,6 +7,7 @@ use std::path::PathBuf;
 
 use crosscut_messages::{ScanDecoder, ScanType};
 use crosscut_sensor::{Before, Motion, Sensor, Turning, times_s};
+use crosscut_stage::NoteCode::{N044, N045};
 use crosscut_stage::{Notes, Revolution, Source, SourceError, counted};
 
 use crate::container::{self, Container, Wait};
@@ -390,7 +391,7 @@ impl Recording {
                 out.stamp_ns = turn.recorded_ns;
                 motion = self.motion(turn, out.stamp_ns);
                 out.sweep.get_or_insert_default();
-                notes.add(format!("the message cannot be decoded: {cause}"));
+                notes.add(N045, format!("the message cannot be decoded: {cause}"));
             }
         }
         out.seq = turn.seq;
@@ -413,7 +414,7 @@ impl Recording {
         if log_time_ns < self.last_log_time_ns && clock.believes(log_time_ns) && clock.believes(self.last_log_time_ns) {
             self.reordered += 1;
             let back_s = (self.last_log_time_ns - log_time_ns) as f64 / NS_PER_S;
-            notes.add(format!("recorded {back_s:.3} s before the scan before it"));
+            notes.add(N044, format!("recorded {back_s:.3} s before the scan before it"));
         }
         self.last_log_time_ns = log_time_ns;
         self.starts_at_s.get_or_insert(self.since_first_s);

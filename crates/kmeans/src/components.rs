@@ -1,5 +1,6 @@
 //! `components`: one cluster per column of a U whose columns have no row in common.
 
+use crosscut_stage::NoteCode::{N076, N077};
 use crosscut_stage::{Count, Embedding, Kind, KmeansStage, Notes, Partition, Spectrum, StageError, counted};
 
 use crate::kmeans_plus_plus::KmeansPlusPlus;
@@ -77,7 +78,10 @@ impl Components {
         if dropped().count() > 0 {
             let (components, returns) = (dropped().count(), counted(dropped().sum::<usize>() as u64, "return"));
             let least = self.min_cluster;
-            notes.add(format!("components: {components} of fewer than {least} returns left out, {returns} in all"));
+            notes.add(
+                N076,
+                format!("components: {components} of fewer than {least} returns left out, {returns} in all"),
+            );
         }
     }
 }
@@ -92,7 +96,7 @@ impl KmeansStage for Components {
         }
         if !self.read_columns(&spectrum.u)? {
             notes.add(
-                "components: some rows of U do not have exactly one entry, so kmeans++ clusters them, small clusters too",
+                N077, "components: some rows of U do not have exactly one entry, so kmeans++ clusters them, small clusters too",
             );
             return self.mixed.partition(spectrum, out, notes).map_err(|error| match error {
                 StageError::TooLarge(_) => StageError::TooLarge(format!(

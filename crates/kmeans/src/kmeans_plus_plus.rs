@@ -1,15 +1,15 @@
 //! `kmeans++`: the last step of the paper's Algorithm 1.
 
-use crosscut_stage::{Count, Kind, KmeansStage, Notes, Number, ParamSpec, Params, Partition, Spectrum, StageError};
+use crosscut_stage::NoteCode::{N074, N075};
+use crosscut_stage::{Count, Kind, KmeansStage, Notes, ParamSpec, Params, Partition, Spectrum, StageError};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 
 use crate::lloyd::Lloyd;
 use crate::no_zeros::without_clusters;
 use crate::numbering::by_first_return;
-use crate::row_distances::RowDistances;
 use crate::rows::Rows;
-use crate::seeding::{Seeding, draws};
+use crate::seeding::Seeding;
 
 const SEED: Count =
     Count::new("seed", "", 0).to(u32::MAX).doc("where the random numbers start, again for every revolution");
@@ -22,12 +22,7 @@ const MAX_ITERATIONS: Count = Count::new("max_iterations", "", 300)
     .to(100_000)
     .doc("iterations after which one restart ends, settled or not");
 
-const TOLERANCE: Number = Number::new("tolerance", "of the mean variance of U's columns", 0.0)
-    .from(0.0)
-    .to(1.0)
-    .doc("a restart ends when the squared steps of all centres sum to no more than this; 0: when no label changes");
-
-const PARAMS: &[ParamSpec] = &[SEED.spec, RESTARTS.spec, MAX_ITERATIONS.spec, TOLERANCE.spec];
+const PARAMS: &[ParamSpec] = &[SEED.spec, RESTARTS.spec, MAX_ITERATIONS.spec];
 
 /// The paper's k-means.
 pub const KIND: Kind<dyn KmeansStage> =
@@ -46,9 +41,7 @@ pub(crate) struct KmeansPlusPlus {
     seed: u64,
     restarts: usize,
     max_iterations: usize,
-    tolerance: f64,
     rows: Rows,
-    distances: RowDistances,
     seeding: Seeding,
     lloyd: Lloyd,
     best: Lloyd,
@@ -66,9 +59,7 @@ impl KmeansPlusPlus {
             seed: params.get(SEED) as u64,
             restarts: params.get(RESTARTS),
             max_iterations: params.get(MAX_ITERATIONS),
-            tolerance: params.get(TOLERANCE),
             rows: Rows::default(),
-            distances: RowDistances::default(),
             seeding: Seeding::default(),
             lloyd: Lloyd::default(),
             best: Lloyd::default(),
@@ -78,26 +69,25 @@ impl KmeansPlusPlus {
     /// Leaves the restart with the smallest objective in `self.best`; n and k > 0.
     fn restart(&mut self, notes: &mut Notes) {
         let mut rng = Pcg64::seed_from_u64(self.seed);
-        let still = self.tolerance * self.rows.mean_variance();
-        let k = self.rows.dimension();
-        self.distances.begin(&self.rows, self.restarts * k * draws(k));
         let mut least = None;
         for _ in 0..self.restarts {
-            let chosen = self.seeding.choose(&self.rows, &mut self.distances, &mut rng);
-            self.lloyd.start_at(&self.rows, &mut self.distances, &chosen);
-            let settled = self.lloyd.run(&self.rows, self.max_iterations, still);
+            self.lloyd.start_at(&self.rows, &self.seeding.choose(&self.rows, &mut rng));
+            let settled = self.lloyd.run(&self.rows, self.max_iterations);
             let inertia = self.lloyd.inertia();
             if least.is_none_or(|(least, _)| inertia < least) {
                 least = Some((inertia, settled));
                 std::mem::swap(&mut self.best, &mut self.lloyd);
             }
             // No restart beats 0, and one cluster comes out the same each time.
-            if inertia == 0.0 || k == 1 {
+            if inertia == 0.0 || self.rows.dimension() == 1 {
                 break;
             }
         }
         if let Some((_, false)) = least {
-            notes.add(format!("k-means: the best restart had not settled after {} iterations", self.max_iterations));
+            notes.add(
+                N074,
+                format!("k-means: the best restart had not settled after {} iterations", self.max_iterations),
+            );
         }
     }
 }
@@ -126,48 +116,8 @@ impl KmeansStage for KmeansPlusPlus {
             }
         }
         if out.clusters < k {
-            notes.add(format!("k-means: only {} distinct rows of U for k = {k}", out.clusters));
+            notes.add(N075, format!("k-means: only {} distinct rows of U for k = {k}", out.clusters));
         }
         Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use faer::Mat;
-
-    use super::*;
-    use crate::rows::SQUARES;
-
-    const RETURNS: usize = 340;
-    const WALLS: usize = 4;
-
-    /// U of four walls of one size, and of this many returns that are each a component of its own.
-    fn walls_and(alone: usize) -> Spectrum {
-        let (k, returns) = (WALLS + alone, RETURNS - alone);
-        let column = |i: usize| if i < returns { i * WALLS / returns } else { WALLS + i - returns };
-        let degree = |i: usize| 2.0 + (i as f64).sin();
-        let volume = |c: usize| (0..RETURNS).filter(|&i| column(i) == c).map(degree).sum::<f64>();
-        let volumes: Vec<f64> = (0..k).map(volume).collect();
-        let entry = |i: usize, c: usize| if column(i) == c { (degree(i) / volumes[c]).sqrt() } else { 0.0 };
-        Spectrum { k, u: Mat::from_fn(RETURNS, k, entry).into(), ..Spectrum::default() }
-    }
-
-    /// The partition, and the squares in all distances that it takes.
-    fn partition(spectrum: &Spectrum) -> (Partition, u64) {
-        let (mut out, before) = (Partition::default(), SQUARES.get());
-        KmeansPlusPlus::default().partition(spectrum, &mut out, &mut Notes::default()).expect("a sound U");
-        (out, SQUARES.get() - before)
-    }
-
-    #[test]
-    fn many_zeros_cost_less_than_a_hundred_usual_scans() {
-        let (_, usual) = partition(&walls_and(0));
-        for alone in [20, 85, 170, 255, RETURNS - WALLS] {
-            let (found, squares) = partition(&walls_and(alone));
-            assert!(squares < 100 * usual, "{alone}: {squares}, and {usual} of four walls");
-            let labels: Vec<_> = found.labels.iter().flatten().collect();
-            assert_eq!((found.clusters, labels.len()), (WALLS + alone, RETURNS));
-        }
     }
 }

@@ -33,7 +33,6 @@
 mod lloyd;
 mod no_zeros;
 mod numbering;
-mod row_distances;
 mod rows;
 mod seeding;
 

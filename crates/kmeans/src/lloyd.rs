@@ -1,6 +1,5 @@
 //! Lloyd's iteration: rows to their nearest centre, centres to the mean of their rows, until nothing changes.
 
-use crate::row_distances::RowDistances;
 use crate::rows::{Rows, distance_squared};
 
 /// Centres, and the centre of each row.
@@ -12,10 +11,6 @@ pub(crate) struct Lloyd {
     pub(crate) labels: Vec<u32>,
     /// Squared distance of each row to its centre.
     distances: Vec<f64>,
-    /// Squared distances of all rows to one centre after the other.
-    to_centres: Vec<f64>,
-    /// The centres that have moved since their distances were computed.
-    has_moved: Vec<bool>,
     /// Number of rows of each centre.
     sizes: Vec<usize>,
     moved: Vec<f64>,
@@ -24,26 +19,20 @@ pub(crate) struct Lloyd {
 
 impl Lloyd {
     /// Puts the centres where the `chosen` rows are.
-    pub(crate) fn start_at(&mut self, rows: &Rows, distances: &mut RowDistances, chosen: &[usize]) {
+    pub(crate) fn start_at(&mut self, rows: &Rows, chosen: &[usize]) {
         self.centroids.clear();
-        self.to_centres.clear();
-        for &i in chosen {
-            self.centroids.extend_from_slice(rows.row(i));
-            self.to_centres.extend_from_slice(distances.to(rows, i));
-        }
-        self.has_moved.clear();
-        self.has_moved.resize(chosen.len(), false);
+        chosen.iter().for_each(|&i| self.centroids.extend_from_slice(rows.row(i)));
     }
 
-    /// Runs from the centres in `self.centroids` until no row changes its centre, the centres move by no more than
-    /// `still` (a sum of squares), or `max_iterations` were done; whether it settled before that.
-    pub(crate) fn run(&mut self, rows: &Rows, max_iterations: usize, still: f64) -> bool {
+    /// Runs from the centres in `self.centroids` until no row changes its centre, no centre moves, or
+    /// `max_iterations` were done; whether it settled before that.
+    pub(crate) fn run(&mut self, rows: &Rows, max_iterations: usize) -> bool {
         self.labels.clear();
         self.labels.resize(rows.len(), u32::MAX);
         self.assign(rows);
         for _ in 0..max_iterations {
-            let step = self.move_centroids(rows);
-            if !self.assign(rows) || step <= still {
+            let has_moved = self.move_centroids(rows);
+            if !self.assign(rows) || !has_moved {
                 return true;
             }
         }
@@ -57,22 +46,23 @@ impl Lloyd {
 
     /// Gives each row its nearest centre; whether any row got another one than before.
     fn assign(&mut self, rows: &Rows) -> bool {
-        self.measure(rows);
         self.distances.clear();
-        self.distances.resize(rows.len(), f64::INFINITY);
         self.next_labels.clear();
-        self.next_labels.resize(rows.len(), 0);
-        for (c, to_centre) in (0u32..).zip(self.to_centres.chunks_exact(rows.len())) {
-            for ((&distance, least), nearest) in to_centre.iter().zip(&mut self.distances).zip(&mut self.next_labels) {
-                if distance < *least {
-                    (*nearest, *least) = (c, distance);
+        for row in rows.iter() {
+            let (mut nearest, mut least) = (0, f64::INFINITY);
+            for (c, centroid) in (0u32..).zip(self.centroids.chunks_exact(rows.dimension())) {
+                let distance = distance_squared(row, centroid);
+                if distance < least {
+                    (nearest, least) = (c, distance);
                 }
             }
+            self.next_labels.push(nearest);
+            self.distances.push(least);
         }
         let mut changed = self.labels != self.next_labels;
         std::mem::swap(&mut self.labels, &mut self.next_labels);
         self.sizes.clear();
-        self.sizes.resize(self.has_moved.len(), 0);
+        self.sizes.resize(self.centroids.len() / rows.dimension(), 0);
         self.labels.iter().for_each(|&label| self.sizes[label as usize] += 1);
         while let Some(empty) = self.sizes.iter().position(|&size| size == 0) {
             if !self.fill(empty, rows) {
@@ -81,20 +71,6 @@ impl Lloyd {
             changed = true;
         }
         changed
-    }
-
-    /// Computes the distances to the centres that have moved. Most of many centres have one row, and stay.
-    fn measure(&mut self, rows: &Rows) {
-        let (n, k) = (rows.len(), rows.dimension());
-        let centres = self.centroids.len() / k;
-        self.has_moved.resize(centres, true);
-        self.to_centres.resize(centres * n, 0.0);
-        let columns = self.to_centres.chunks_exact_mut(n).zip(self.centroids.chunks_exact(k));
-        for (has_moved, (to_centre, centroid)) in self.has_moved.iter_mut().zip(columns) {
-            if std::mem::take(has_moved) {
-                rows.iter().zip(to_centre).for_each(|(row, to)| *to = distance_squared(row, centroid));
-            }
-        }
     }
 
     /// The rule for a centre without rows: it starts again at the row farthest from its own centre (the first of
@@ -111,7 +87,6 @@ impl Lloyd {
         let Some(i) = farthest else { return false };
         let k = rows.dimension();
         self.centroids[empty * k..][..k].copy_from_slice(rows.row(i));
-        self.has_moved[empty] = true;
         self.sizes[self.labels[i] as usize] -= 1;
         self.sizes[empty] = 1;
         self.labels[i] = empty as u32;
@@ -119,8 +94,8 @@ impl Lloyd {
         true
     }
 
-    /// Moves each centre to the mean of its rows; the sum of the squared steps.
-    fn move_centroids(&mut self, rows: &Rows) -> f64 {
+    /// Moves each centre to the mean of its rows; whether any moved.
+    fn move_centroids(&mut self, rows: &Rows) -> bool {
         let k = rows.dimension();
         self.moved.clear();
         self.moved.resize(self.centroids.len(), 0.0);
@@ -134,11 +109,9 @@ impl Lloyd {
                 0 => sums.copy_from_slice(&self.centroids[c * k..][..k]),
                 size => sums.iter_mut().for_each(|sum| *sum /= size as f64),
             }
-            self.has_moved[c] |= *sums != self.centroids[c * k..][..k];
         }
-        let step = distance_squared(&self.moved, &self.centroids);
         std::mem::swap(&mut self.centroids, &mut self.moved);
-        step
+        self.centroids != self.moved
     }
 }
 
@@ -163,7 +136,7 @@ mod tests {
         let mut previous = f64::INFINITY;
         for iterations in 0..20 {
             let mut lloyd = Lloyd { centroids: vec![0.0, 0.0, 1.0, 0.0, 60.0, 50.0], ..Lloyd::default() };
-            lloyd.run(&rows, iterations, 0.0);
+            lloyd.run(&rows, iterations);
             assert!(lloyd.inertia() <= previous, "{} after {previous}", lloyd.inertia());
             previous = lloyd.inertia();
         }
@@ -175,7 +148,7 @@ mod tests {
         let rows = rows(&[[0.0, 0.0], [1.0, 0.0], [6.0, 0.0], [9.0, 0.0]]);
         // Both centres far to the left: the second gets nothing.
         let mut lloyd = Lloyd { centroids: vec![-1.0, 0.0, -50.0, 0.0], ..Lloyd::default() };
-        assert!(lloyd.run(&rows, 10, 0.0));
+        assert!(lloyd.run(&rows, 10));
         assert_eq!(lloyd.labels, [0, 0, 1, 1]);
         assert_eq!((lloyd.centroids.as_slice(), lloyd.inertia()), (&[0.5, 0.0, 7.5, 0.0][..], 5.0));
     }

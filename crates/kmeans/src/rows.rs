@@ -4,8 +4,8 @@ use crosscut_stage::{Embedding, Spectrum, StageError};
 
 /// Larger matrices are refused.
 const MOST_BYTES: u64 = 1 << 28;
-/// Larger n·k² are refused, too: seeding takes several times as many operations, which are minutes without an end by
-/// Ctrl-C.
+/// Larger n·k² are refused, too: each restart takes up to ten times as many operations, which are minutes without an end
+/// by Ctrl-C.
 const MOST_OPERATIONS: u64 = 10_000_000_000;
 
 /// n points of Rᵏ, one after the other, in a buffer that is used again.
@@ -67,17 +67,6 @@ impl Rows {
     pub(crate) fn iter(&self) -> impl ExactSizeIterator<Item = &[f64]> {
         self.values.chunks_exact(self.k)
     }
-
-    /// The variance of the points along an axis of Rᵏ, averaged over the axes; n and k > 0.
-    pub(crate) fn mean_variance(&self) -> f64 {
-        let (n, k) = (self.n as f64, self.k);
-        let variance = |axis: usize| {
-            let along = || self.values.iter().skip(axis).step_by(k);
-            let mean = along().sum::<f64>() / n;
-            along().map(|x| (x - mean).powi(2)).sum::<f64>() / n
-        };
-        (0..k).map(variance).sum::<f64>() / k as f64
-    }
 }
 
 /// Whether U has k columns.
@@ -98,15 +87,7 @@ pub(crate) fn not_finite(u: &Embedding) -> StageError {
     StageError::NotFinite { what: "the embedding U", index }
 }
 
-#[cfg(test)]
-thread_local! {
-    /// Squares that this thread has summed up in distances.
-    pub(crate) static SQUARES: std::cell::Cell<u64> = const { std::cell::Cell::new(0) };
-}
-
 /// ‖a - b‖².
 pub(crate) fn distance_squared(a: &[f64], b: &[f64]) -> f64 {
-    #[cfg(test)]
-    SQUARES.set(SQUARES.get() + a.len() as u64);
     a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum()
 }

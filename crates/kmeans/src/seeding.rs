@@ -3,8 +3,7 @@
 use rand::RngExt;
 use rand_pcg::Pcg64;
 
-use crate::row_distances::RowDistances;
-use crate::rows::Rows;
+use crate::rows::{Rows, distance_squared};
 
 /// Chooses rows to start from: the first at random, each further one with a probability in proportion to its squared
 /// distance to the nearest chosen so far. Of 2 + ⌊ln k⌋ rows drawn so, the one that leaves the smallest sum of squared
@@ -21,12 +20,12 @@ pub(crate) struct Seeding {
 
 impl Seeding {
     /// The rows to start from: k of them, or as many as there are distinct rows; n and k > 0.
-    pub(crate) fn choose(&mut self, rows: &Rows, distances: &mut RowDistances, rng: &mut Pcg64) -> Vec<usize> {
+    pub(crate) fn choose(&mut self, rows: &Rows, rng: &mut Pcg64) -> Vec<usize> {
         let k = rows.dimension();
         let first = rng.random_range(0..rows.len());
         let mut chosen = vec![first];
         self.nearest.clear();
-        self.nearest.extend_from_slice(distances.to(rows, first));
+        self.nearest.extend(distances_to(rows, first));
         for _ in 1..k {
             let sum: f64 = self.nearest.iter().sum();
             if sum == 0.0 {
@@ -36,7 +35,7 @@ impl Seeding {
             for _ in 0..draws(k) {
                 let row = draw(&self.nearest, rng.random::<f64>() * sum);
                 self.drawn.clear();
-                self.drawn.extend(self.nearest.iter().zip(distances.to(rows, row)).map(|(d, &to_row)| d.min(to_row)));
+                self.drawn.extend(self.nearest.iter().zip(distances_to(rows, row)).map(|(d, to_row)| d.min(to_row)));
                 let left: f64 = self.drawn.iter().sum();
                 if least.is_none_or(|(least, _)| left < least) {
                     least = Some((left, row));
@@ -52,8 +51,13 @@ impl Seeding {
     }
 }
 
+/// Squared distances of all rows to row `i`.
+fn distances_to(rows: &Rows, i: usize) -> impl Iterator<Item = f64> {
+    rows.iter().map(move |row| distance_squared(row, rows.row(i)))
+}
+
 /// How many rows are drawn for each of k centres.
-pub(crate) fn draws(k: usize) -> usize {
+fn draws(k: usize) -> usize {
     2 + (k as f64).ln() as usize
 }
 

@@ -2,11 +2,6 @@
 //! are left out of the definition, as protobuf allows.
 
 use prost::Message as _;
-use prost_types::field_descriptor_proto::{Label, Type};
-use prost_types::{
-    DescriptorProto, EnumDescriptorProto, EnumValueDescriptorProto, FieldDescriptorProto, FileDescriptorProto,
-    FileDescriptorSet,
-};
 
 use crate::foxglove::{FoxglovePose, FoxgloveQuaternion, FoxgloveVector, Timestamp};
 
@@ -78,134 +73,8 @@ impl Scene {
     }
 
     /// The definition of the message and of all that it depends on, as a `FileDescriptorSet` in protobuf.
-    pub fn schema() -> Vec<u8> {
-        let timestamp = FileDescriptorProto {
-            name: Some("google/protobuf/timestamp.proto".to_owned()),
-            package: Some("google.protobuf".to_owned()),
-            message_type: vec![message("Timestamp", &[("seconds", 1, Kind::I64), ("nanos", 2, Kind::I32)])],
-            syntax: Some("proto3".to_owned()),
-            ..FileDescriptorProto::default()
-        };
-        let mut messages: Vec<DescriptorProto> = MESSAGES.iter().map(|(name, fields)| message(name, fields)).collect();
-        let value = |(number, name): (i32, &str)| EnumValueDescriptorProto {
-            name: Some(name.to_owned()),
-            number: Some(number),
-            options: None,
-        };
-        let line = messages.iter_mut().find(|message| message.name.as_deref() == Some("LinePrimitive"));
-        line.expect("it is one of them").enum_type = vec![EnumDescriptorProto {
-            name: Some("Type".to_owned()),
-            value: (0..).zip(["LINE_STRIP", "LINE_LOOP", "LINE_LIST"]).map(value).collect(),
-            ..EnumDescriptorProto::default()
-        }];
-        let scene = FileDescriptorProto {
-            name: Some("foxglove/SceneUpdate.proto".to_owned()),
-            package: Some("foxglove".to_owned()),
-            dependency: vec!["google/protobuf/timestamp.proto".to_owned()],
-            message_type: messages,
-            syntax: Some("proto3".to_owned()),
-            ..FileDescriptorProto::default()
-        };
-        FileDescriptorSet { file: vec![timestamp, scene] }.encode_to_vec()
-    }
-}
-
-/// The type of a field.
-#[derive(Clone, Copy)]
-enum Kind {
-    I32,
-    I64,
-    F64,
-    Flag,
-    Text,
-    Enum(&'static str),
-    One(&'static str),
-    Many(&'static str),
-}
-
-type Fields = &'static [(&'static str, i32, Kind)];
-
-/// The messages with the fields that are used; names and numbers are those of Foxglove.
-const MESSAGES: [(&str, Fields); 10] = [
-    ("SceneUpdate", &[("entities", 2, Kind::Many(".foxglove.SceneEntity"))]),
-    (
-        "SceneEntity",
-        &[
-            ("timestamp", 1, Kind::One(".google.protobuf.Timestamp")),
-            ("frame_id", 2, Kind::Text),
-            ("id", 3, Kind::Text),
-            ("arrows", 7, Kind::Many(".foxglove.ArrowPrimitive")),
-            ("lines", 11, Kind::Many(".foxglove.LinePrimitive")),
-            ("texts", 13, Kind::Many(".foxglove.TextPrimitive")),
-        ],
-    ),
-    (
-        "ArrowPrimitive",
-        &[
-            ("pose", 1, Kind::One(".foxglove.Pose")),
-            ("shaft_length", 2, Kind::F64),
-            ("shaft_diameter", 3, Kind::F64),
-            ("head_length", 4, Kind::F64),
-            ("head_diameter", 5, Kind::F64),
-            ("color", 6, Kind::One(".foxglove.Color")),
-        ],
-    ),
-    (
-        "LinePrimitive",
-        &[
-            ("type", 1, Kind::Enum(".foxglove.LinePrimitive.Type")),
-            ("pose", 2, Kind::One(".foxglove.Pose")),
-            ("thickness", 3, Kind::F64),
-            ("scale_invariant", 4, Kind::Flag),
-            ("points", 5, Kind::Many(".foxglove.Point3")),
-            ("color", 6, Kind::One(".foxglove.Color")),
-        ],
-    ),
-    (
-        "TextPrimitive",
-        &[
-            ("pose", 1, Kind::One(".foxglove.Pose")),
-            ("billboard", 2, Kind::Flag),
-            ("font_size", 3, Kind::F64),
-            ("scale_invariant", 4, Kind::Flag),
-            ("color", 5, Kind::One(".foxglove.Color")),
-            ("text", 6, Kind::Text),
-        ],
-    ),
-    ("Pose", &[("position", 1, Kind::One(".foxglove.Vector3")), ("orientation", 2, Kind::One(".foxglove.Quaternion"))]),
-    ("Vector3", XYZ),
-    ("Point3", XYZ),
-    ("Quaternion", &[("x", 1, Kind::F64), ("y", 2, Kind::F64), ("z", 3, Kind::F64), ("w", 4, Kind::F64)]),
-    ("Color", &[("r", 1, Kind::F64), ("g", 2, Kind::F64), ("b", 3, Kind::F64), ("a", 4, Kind::F64)]),
-];
-
-const XYZ: Fields = &[("x", 1, Kind::F64), ("y", 2, Kind::F64), ("z", 3, Kind::F64)];
-
-fn message(name: &str, fields: &[(&str, i32, Kind)]) -> DescriptorProto {
-    let field = |&(name, number, kind): &(&str, i32, Kind)| {
-        let (field_type, type_name) = match kind {
-            Kind::I32 => (Type::Int32, None),
-            Kind::I64 => (Type::Int64, None),
-            Kind::F64 => (Type::Double, None),
-            Kind::Flag => (Type::Bool, None),
-            Kind::Text => (Type::String, None),
-            Kind::Enum(name) => (Type::Enum, Some(name)),
-            Kind::One(name) | Kind::Many(name) => (Type::Message, Some(name)),
-        };
-        let label = if matches!(kind, Kind::Many(_)) { Label::Repeated } else { Label::Optional };
-        FieldDescriptorProto {
-            name: Some(name.to_owned()),
-            number: Some(number),
-            label: Some(label.into()),
-            r#type: Some(field_type.into()),
-            type_name: type_name.map(str::to_owned),
-            ..FieldDescriptorProto::default()
-        }
-    };
-    DescriptorProto {
-        name: Some(name.to_owned()),
-        field: fields.iter().map(field).collect(),
-        ..DescriptorProto::default()
+    pub fn schema() -> &'static [u8] {
+        include_bytes!("scene_update.binpb")
     }
 }
 
@@ -341,5 +210,32 @@ impl From<&SceneText> for TextPrimitive {
             color: color([0.5; 3]),
             text: text.text.clone(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use prost_types::FileDescriptorSet;
+
+    use super::*;
+
+    #[test]
+    fn the_definition_has_every_field_that_a_scene_is_written_with() {
+        let FileDescriptorSet { file } = FileDescriptorSet::decode(Scene::schema()).expect("descriptors");
+        let [time, scene] = &file[..] else { panic!("two files: {file:?}") };
+        assert_eq!([time, scene].map(|file| file.package()), ["google.protobuf", "foxglove"]);
+        assert_eq!(scene.dependency, [time.name()]);
+        let numbers = |name: &str| -> Vec<i32> {
+            let message = scene.message_type.iter().find(|message| message.name() == name).expect("it is defined");
+            message.field.iter().map(|field| field.number()).collect()
+        };
+        // The tags of the messages of this file.
+        assert_eq!(numbers("SceneUpdate"), [2]);
+        assert_eq!(numbers("SceneEntity"), [1, 2, 3, 7, 11, 13]);
+        assert_eq!(numbers("LinePrimitive"), [1, 2, 3, 4, 5, 6]);
+        for name in ["ArrowPrimitive", "TextPrimitive"] {
+            assert_eq!(numbers(name), [1, 2, 3, 4, 5, 6], "{name}");
+        }
+        assert_eq!((numbers("Color"), numbers("Quaternion")), (vec![1, 2, 3, 4], vec![1, 2, 3, 4]));
     }
 }

@@ -1,13 +1,13 @@
 //! What the vehicle of a mission sensed, kept so that a mission that is killed can be resumed.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crosscut_detector::Config;
-use crosscut_ingest::{IngestError, Stored};
+use crosscut_ingest::Stored;
 use crosscut_navigate::PlannerKind;
 use crosscut_simulator::{DESCRIPTION, RecordingError, Scene, SceneRecorder, World};
 
-use crate::{Moment, read_journal};
+use crate::{Moment, ResumeError, read_journal};
 
 /// At most this many revolutions are lost if the program is killed.
 const FLUSH_EVERY: u64 = 10;
@@ -93,26 +93,4 @@ impl About {
             is_other.map(|(name, value)| format!("its {name} is {}, not {value}", known[name])).collect();
         if others.is_empty() { Ok(read_journal(journal)?) } else { refuse(others.join(", ")) }
     }
-}
-
-/// Why a mission cannot be resumed.
-#[derive(Debug, thiserror::Error)]
-pub enum ResumeError {
-    /// Its journal cannot be read.
-    #[error(transparent)]
-    Unreadable(#[from] IngestError),
-    /// It has no scene of a simulated flight.
-    #[error("no scan with odometry and its true pose is in {}", journal.display())]
-    NoFlight {
-        /// Where it is.
-        journal: PathBuf,
-    },
-    /// The journal is not that of this mission.
-    #[error("cannot resume {}: {why}", journal.display())]
-    OtherMission {
-        /// Where it is.
-        journal: PathBuf,
-        /// What differs.
-        why: String,
-    },
 }

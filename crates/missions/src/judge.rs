@@ -21,7 +21,7 @@ const HOME_M: f64 = 5.0;
 
 /// Watches the true places of a vehicle.
 #[derive(Clone, Debug)]
-pub(crate) struct Judge {
+pub(crate) struct MissionJudge {
     mine: Mine,
     start_m: Point2<f64>,
     ways: Vec<TrueWay>,
@@ -35,7 +35,7 @@ pub(crate) struct Judge {
     home_way: Option<usize>,
 }
 
-impl Judge {
+impl MissionJudge {
     pub(crate) fn new(world: &World) -> Self {
         let ways = ways_of(world.mine.network(), world.start_node);
         let home_way = ways.iter().position(|way| way.ends.contains(&world.start_node));
@@ -145,7 +145,7 @@ mod tests {
                 {"from": 1, "to": 2, "width_m": 6, "via_m": [[40, 0]]}, {"from": 1, "to": 3, "width_m": 4}]}"#,
         );
         let world = plan.and_then(|plan| plan.world(1)).expect("a world");
-        let mut judge = Judge::new(&world);
+        let mut judge = MissionJudge::new(&world);
         let to_bend = [(26.0, 0.0), (30.0, 1.0), (34.0, 2.0)];
         to_bend.into_iter().for_each(|(x, y)| judge.add(Point2::new(x, y)));
         assert_eq!(judge.visited(), 0);

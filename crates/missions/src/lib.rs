@@ -11,9 +11,11 @@
 mod journal;
 mod judge;
 mod mission;
+mod resume_error;
 mod scenes;
 mod ways;
 
-pub use journal::{About, Journal, ResumeError};
+pub use journal::{About, Journal};
 pub use mission::{Flown, Moment, Setup, fly};
+pub use resume_error::ResumeError;
 pub use scenes::read_journal;

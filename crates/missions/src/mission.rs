@@ -7,12 +7,12 @@ use nalgebra::Point2;
 
 use crosscut_detector::{Config, Registry};
 use crosscut_flight::{Map, Mapper};
-use crosscut_navigate::{Command, End, Limits, Pilot, PlannerKind, Step};
+use crosscut_navigate::{Command, Limits, MissionEnd, Pilot, PilotStep, PlannerKind};
 use crosscut_simulator::pose::Pose;
 use crosscut_simulator::{Agility, Driven, Scene, World};
 use crosscut_stage::{Failure, Frame};
 
-use crate::judge::Judge;
+use crate::judge::MissionJudge;
 
 /// Contacts that are no farther apart than this are one crash, revolutions.
 const SAME_CRASH: u64 = 20;
@@ -46,7 +46,7 @@ pub struct Moment<'a> {
     /// The map so far.
     pub mapper: &'a Mapper,
     /// What the navigator answered.
-    pub step: &'a Step,
+    pub step: &'a PilotStep,
     /// The true pose at the end of the revolution.
     pub true_pose: Pose,
 }
@@ -81,7 +81,7 @@ pub struct Flown {
     /// Those at which the count of walls was wrong.
     pub decisions_on_wrong_count: u32,
     /// How it ended; `None` if it was stopped from outside, after too many crashes, or by a failure.
-    pub end: Option<End>,
+    pub end: Option<MissionEnd>,
     /// A stage failed.
     pub failure: Option<Failure>,
     /// The map at the end.
@@ -120,7 +120,7 @@ pub fn fly(world: &World, setup: &Setup, watch: &mut dyn FnMut(&Moment) -> bool)
     let resumed = setup.past.last().and_then(|last| Driven::resumed(world, setup.agility, setup.seed, last));
     let mut driven = resumed.unwrap_or_else(|| Driven::new(world, setup.agility, setup.seed));
     let mut past = setup.past.iter().filter_map(|scene| Some((scene, world.pose_of(&scene.truth.pose?))));
-    let mut judge = Judge::new(world);
+    let mut judge = MissionJudge::new(world);
     let mut command = Command::default();
     let mut flown = Flown::new(&judge);
     let mut last_contact: Option<u64> = None;
@@ -175,7 +175,7 @@ pub fn fly(world: &World, setup: &Setup, watch: &mut dyn FnMut(&Moment) -> bool)
 }
 
 impl Flown {
-    fn new(judge: &Judge) -> Self {
+    fn new(judge: &MissionJudge) -> Self {
         let (offline_m, offline_is_exact) = judge.offline_m();
         Self {
             ways: judge.ways(),
@@ -198,7 +198,7 @@ impl Flown {
         }
     }
 
-    fn finish(mut self, judge: &Judge, last_m: Option<Point2<f64>>, map: Map) -> Self {
+    fn finish(mut self, judge: &MissionJudge, last_m: Option<Point2<f64>>, map: Map) -> Self {
         self.ways_visited = judge.visited();
         self.missed_m = judge.missed_m();
         self.entered_in_vain = judge.in_vain();

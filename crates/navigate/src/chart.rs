@@ -7,7 +7,7 @@ use nalgebra::{Isometry2, Point2};
 use crosscut_flight::{HereKind, Located, Map, Node, NodeWay, Way};
 use crosscut_stage::{unit, wrap_angle_rad};
 
-use crate::known::{Known, KnownPlace, KnownWay, WayState};
+use crate::known::{KnownPlace, KnownWay, PlannerMap, WayState};
 
 /// A note belongs to a way whose direction differs by no more than this.
 const SAME_WAY_RAD: f64 = 0.5;
@@ -109,7 +109,13 @@ impl Chart {
 
     /// What a planner is to know. `in_view` are the ways of the present place in the frame of the map.
     /// `trail_m`: where the vehicle was, on the map.
-    pub(crate) fn known(&self, located: &Located, trail_m: &[Point2<f64>], in_view: &[Way], heading_rad: f64) -> Known {
+    pub(crate) fn known(
+        &self,
+        located: &Located,
+        trail_m: &[Point2<f64>],
+        in_view: &[Way],
+        heading_rad: f64,
+    ) -> PlannerMap {
         let nodes = located.map.nodes.iter().enumerate();
         let mut places: Vec<KnownPlace> = nodes
             .map(|(number, node)| KnownPlace {
@@ -132,7 +138,7 @@ impl Chart {
                 here.ways.push(KnownWay { bearing_rad: way.bearing_rad, state, leads_to: None });
             }
         }
-        Known { places, here: located.node, heading_rad }
+        PlannerMap { places, here: located.node, heading_rad }
     }
 
     fn way(&self, located: &Located, trail_m: &[Point2<f64>], number: usize, way: &NodeWay) -> KnownWay {

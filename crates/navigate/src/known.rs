@@ -9,7 +9,7 @@ use crosscut_stage::wrap_angle_rad;
 
 /// The map as a planner sees it, at a decision. Bearings and positions are in the frame of the map.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Known {
+pub struct PlannerMap {
     /// Junctions and dead ends, in the order in which they were found.
     pub places: Vec<KnownPlace>,
     /// The place that the vehicle is in.
@@ -64,7 +64,7 @@ pub struct Route {
     pub length_m: f64,
 }
 
-impl Known {
+impl PlannerMap {
     /// The new way of the present place that is nearest to straight ahead.
     pub fn straightest_new_way(&self) -> Option<usize> {
         let ways = &self.places[self.here].ways;

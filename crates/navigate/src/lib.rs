@@ -6,7 +6,7 @@
 //! ```text
 //! scan, odometry --> Engine --> Flight --> Mapper --> Navigator --> Command
 //!               walls, openings  pose, place  map      |     ^
-//!                                                    Known  Choice
+//!                                               PlannerMap  WayChoice
 //!                                                       v     |
 //!                                                      Planner
 //! ```
@@ -14,7 +14,7 @@
 //! - [`Navigator`] follows passages along the ways that the flight sees, goes to the middle of junctions and to the faces of
 //!   dead ends, asks the planner there, and leaves by the way that it chose. It reads the returns of the scan, the place,
 //!   the pose and the map.
-//! - [`Planner`] chooses among the ways of a place, [`Known`]. [`planners`] has those that ship; another one is a file
+//! - [`Planner`] chooses among the ways of a place, [`PlannerMap`]. [`planners`] has those that ship; another one is a file
 //!   beside them with its entry there.
 //! - [`Pilot`] is all of it for one vehicle, simulated or real: a scan and its odometry in, a command out.
 //!
@@ -31,7 +31,7 @@ mod surround;
 mod trail;
 
 pub use command::{Command, Limits};
-pub use known::{Known, KnownPlace, KnownWay, Route, WayState};
-pub use navigator::{Decision, End, Navigator, Step};
+pub use known::{KnownPlace, KnownWay, PlannerMap, Route, WayState};
+pub use navigator::{MissionEnd, Navigator, PilotStep, PlaceDecision};
 pub use pilot::Pilot;
-pub use planner::{Choice, Planner, PlannerKind, planners};
+pub use planner::{Planner, PlannerKind, WayChoice, planners};

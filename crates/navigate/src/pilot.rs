@@ -4,7 +4,7 @@ use crosscut_detector::{Config, Detector, Registry, Sensor};
 use crosscut_flight::{Flight, Mapper};
 use crosscut_stage::{Failure, Frame};
 
-use crate::navigator::{Navigator, Step};
+use crate::navigator::{Navigator, PilotStep};
 use crate::planner::PlannerKind;
 use crate::{Command, Limits};
 
@@ -34,7 +34,7 @@ impl Pilot {
     ///
     /// # Errors
     /// When a stage fails. The vehicle then has no command and is to stand.
-    pub fn step(&mut self, write: impl FnOnce(&Sensor, &mut Frame)) -> Result<Step, Failure> {
+    pub fn step(&mut self, write: impl FnOnce(&Sensor, &mut Frame)) -> Result<PilotStep, Failure> {
         let frame = self.detector.detect_with(write)?;
         self.flight.add(frame);
         self.mapper.add(frame);

@@ -39,15 +39,15 @@ const ESCAPE_M: f64 = 0.6;
 /// Nothing is looked for beyond this, m: the edge of the grid is not far behind.
 const FARTHEST_M: f64 = 5.5;
 
-type Cell = [i32; 2];
+type CellIndex = [i32; 2];
 
 /// The cells around the vehicle, in the axes of the tracked poses.
 #[derive(Clone, Debug)]
 pub(crate) struct Surround {
     radius_m: f64,
-    centre: Cell,
+    centre: CellIndex,
     /// Of each cell modulo the side: which cell it is, and its sum.
-    cells: Vec<(Cell, i16)>,
+    cells: Vec<(CellIndex, i16)>,
     /// The returns of the last scan.
     returns_m: Vec<Point2<f64>>,
 }
@@ -128,7 +128,7 @@ impl Surround {
     }
 
     /// How much dearer a cell is than one with room all around; `None` if the vehicle does not fit.
-    fn factor(&self, cell: Cell, clearance_m: f64, start_m: Point2<f64>) -> Option<f64> {
+    fn factor(&self, cell: CellIndex, clearance_m: f64, start_m: Point2<f64>) -> Option<f64> {
         let spare_m = clearance_m - self.radius_m - ROOM_M;
         let unseen = if self.sum(cell).is_some() { 1.0 } else { UNSEEN_COST };
         if spare_m >= 0.0 {
@@ -140,9 +140,9 @@ impl Surround {
     }
 
     /// Distance of each cell from the nearest rock.
-    fn clearance_m(&self, low: Cell) -> Vec<f64> {
+    fn clearance_m(&self, low: CellIndex) -> Vec<f64> {
         let all = (CELLS * CELLS) as usize;
-        let mut nearest: Vec<(i32, Cell)> = vec![(i32::MAX, [0, 0]); all];
+        let mut nearest: Vec<(i32, CellIndex)> = vec![(i32::MAX, [0, 0]); all];
         let mut queue = VecDeque::new();
         for (at, slot) in nearest.iter_mut().enumerate() {
             let cell = [low[0] + at as i32 % CELLS, low[1] + at as i32 / CELLS];
@@ -171,25 +171,25 @@ impl Surround {
         nearest.into_iter().map(|(squared, _)| distance_m(squared)).collect()
     }
 
-    fn count(&mut self, cell: Cell, by: i16) {
+    fn count(&mut self, cell: CellIndex, by: i16) {
         let slot = &mut self.cells[slot_of(cell)];
         let before = if slot.0 == cell { slot.1 } else { 0 };
         *slot = (cell, (before + by).clamp(FREEST, FULLEST));
     }
 
-    fn is_rock(&self, cell: Cell) -> bool {
+    fn is_rock(&self, cell: CellIndex) -> bool {
         self.sum(cell).is_some_and(|sum| sum >= ROCK)
     }
 
     /// The sum of a cell; `None` if it was never seen, or too long ago.
-    fn sum(&self, cell: Cell) -> Option<i16> {
+    fn sum(&self, cell: CellIndex) -> Option<i16> {
         let slot = self.cells[slot_of(cell)];
         (slot.0 == cell).then_some(slot.1)
     }
 }
 
 /// The eight neighbours of a cell, with their distances in cells.
-const STEPS: [(Cell, f64); 8] = [
+const STEPS: [(CellIndex, f64); 8] = [
     ([1, 0], 1.0),
     ([0, 1], 1.0),
     ([-1, 0], 1.0),
@@ -204,22 +204,22 @@ fn quantised(cost_m: f64) -> u64 {
     (cost_m * 1e6) as u64
 }
 
-fn cell_of(place_m: Point2<f64>) -> Cell {
+fn cell_of(place_m: Point2<f64>) -> CellIndex {
     [(place_m.x / CELL_M).floor() as i32, (place_m.y / CELL_M).floor() as i32]
 }
 
-fn middle_m(cell: Cell) -> Point2<f64> {
+fn middle_m(cell: CellIndex) -> Point2<f64> {
     Point2::new((f64::from(cell[0]) + 0.5) * CELL_M, (f64::from(cell[1]) + 0.5) * CELL_M)
 }
 
-fn slot_of(cell: Cell) -> usize {
+fn slot_of(cell: CellIndex) -> usize {
     (cell[1].rem_euclid(CELLS) * CELLS + cell[0].rem_euclid(CELLS)) as usize
 }
 
 /// The ways over free cells from where the vehicle is.
 #[derive(Clone, Debug)]
 pub(crate) struct Field {
-    low: Cell,
+    low: CellIndex,
     /// Length of the way to each cell, made longer near walls; infinite if there is none.
     cost_m: Vec<f64>,
     before: Vec<u32>,
@@ -303,13 +303,13 @@ impl Field {
         self.rock_m.iter().filter_map(touches_at_m).fold(FARTHEST_M, f64::min).max(0.0)
     }
 
-    fn index(&self, cell: Cell) -> Option<usize> {
+    fn index(&self, cell: CellIndex) -> Option<usize> {
         let (column, row) = (cell[0] - self.low[0], cell[1] - self.low[1]);
         let is_inside = (0..CELLS).contains(&column) && (0..CELLS).contains(&row);
         is_inside.then_some((row * CELLS + column) as usize)
     }
 
-    fn cell(&self, index: usize) -> Cell {
+    fn cell(&self, index: usize) -> CellIndex {
         [self.low[0] + index as i32 % CELLS, self.low[1] + index as i32 / CELLS]
     }
 }

@@ -15,13 +15,13 @@ const SAME_SPOT_M: f64 = 1.0;
 /// The places that the vehicle passed. They move with the map when its drift is corrected.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Trail {
-    passed: Vec<Passed>,
+    passed: Vec<TrailPoint>,
     /// The first place that is anchored to the latest visit.
     since: usize,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Passed {
+struct TrailPoint {
     tracked: Isometry2<f64>,
     anchored: Anchored,
 }
@@ -29,7 +29,7 @@ struct Passed {
 impl Trail {
     /// Adds a pose as it was tracked. Between two visits, each place is anchored to the nearer one.
     pub(crate) fn add(&mut self, tracked: Isometry2<f64>, mapper: &Mapper) {
-        let far_m = |last: &Passed| (tracked.translation.vector - last.tracked.translation.vector).norm();
+        let far_m = |last: &TrailPoint| (tracked.translation.vector - last.tracked.translation.vector).norm();
         if self.passed.last().is_some_and(|last| far_m(last) <= STEP_M) {
             return;
         }
@@ -39,7 +39,7 @@ impl Trail {
             self.passed[half..].iter_mut().for_each(|passed| passed.anchored = mapper.anchored(passed.tracked));
             self.since = self.passed.len();
         }
-        self.passed.push(Passed { tracked, anchored });
+        self.passed.push(TrailPoint { tracked, anchored });
     }
 
     /// The place about this far back, as it was tracked.

@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use crosscut_flight::HereKind;
-use crosscut_navigate::{Known, KnownPlace, KnownWay, WayState, planners};
+use crosscut_navigate::{KnownPlace, KnownWay, PlannerMap, WayState, planners};
 use nalgebra::Point2;
 
 fn way(bearing_rad: f64, state: WayState, leads_to: Option<(usize, f64)>) -> KnownWay {
@@ -16,7 +16,7 @@ fn place(x_m: f64, ways: Vec<KnownWay>) -> KnownPlace {
 }
 
 /// Three junctions in a row, each with a side way; the vehicle is in the middle and came from the first.
-fn row(states: [WayState; 3]) -> Known {
+fn row(states: [WayState; 3]) -> PlannerMap {
     let taken = WayState::Taken;
     let places = vec![
         place(0.0, vec![way(0.0, taken, Some((1, 20.0))), way(FRAC_PI_2, states[0], None), way(PI, taken, None)]),
@@ -26,7 +26,7 @@ fn row(states: [WayState; 3]) -> Known {
         ),
         place(30.0, vec![way(0.0, taken, None), way(FRAC_PI_2, states[2], None), way(PI, taken, Some((1, 10.0)))]),
     ];
-    Known { places, here: 1, heading_rad: 0.0 }
+    PlannerMap { places, here: 1, heading_rad: 0.0 }
 }
 
 #[test]

@@ -1,4 +1,7 @@
 //! A part file: the bytes of a file that does not have its name yet.
+//!
+//! Own code, because the names of `tempfile` are random: a second program would not be refused, and what a killed one leaves
+//! would stay.
 
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions, TryLockError};

@@ -40,7 +40,8 @@ impl AsRead {
     }
 
     fn log_notes(&mut self, rows: &mut Rows, notes: &Notes) {
-        let lines = notes.of_revolution().collect::<Vec<_>>().join("\n");
+        let lines =
+            notes.of_revolution().iter().map(|(code, note)| format!("{code:?} {note}")).collect::<Vec<_>>().join("\n");
         if self.notes.as_ref() != Some(&lines) {
             rows.log(&SCAN_NOTES, &TextDocument::new(lines.as_str()));
             self.notes = Some(lines);

@@ -1,7 +1,7 @@
 //! The map of the flight so far: where the vehicle was, the walls that it saw, places and passages, and why visits are
 //! taken to be to one place. From above, x to the right, in the frame of the first pose.
 
-use crosscut_flight::{Anchored, FlightAnswer, HereKind, Map, Mapper, NoPlace, Node, Seen};
+use crosscut_flight::{Anchored, FlightAnswer, HereKind, Map, MapDrawing, Mapper, NoPlace, Node};
 use crosscut_stage::{Frame, counted, junction_of, unit};
 use nalgebra::Point2;
 use rerun::{
@@ -45,7 +45,7 @@ const HERE: [(&str, u32); 4] =
 pub(crate) struct FlightMap {
     mapper: Mapper,
     no_place: NoPlace,
-    seen: Seen,
+    seen: MapDrawing,
     /// What was drawn last: the map, the number of places of the path, and of the walls, those in `/flight/walls` and all.
     drawn: Map,
     drawn_path: usize,

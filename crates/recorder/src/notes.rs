@@ -1,6 +1,7 @@
 //! Notes in the log. Each is logged when it begins; the explanation of a revolution has all of its notes.
 
-use crosscut_stage::{Frame, Notes as NotesOfFrame};
+use crosscut_stage::Frame;
+use crosscut_stage::NoteCode::{self, N099};
 use rerun::{TextLog, TextLogLevel};
 
 use crate::beam_order::LARGEST_SIDE;
@@ -8,11 +9,11 @@ use crate::matrices::is_drawn;
 use crate::rows::Rows;
 use crate::schema::LOG;
 
-/// Finds the notes that begin. Notes are compared without their numbers: "4 beams masked" continues "3 beams masked".
+/// Finds the notes that begin: those of a code that no note of the revolution before has.
 #[derive(Default)]
 pub(crate) struct Notes {
-    /// Kinds of the notes of the revolution before.
-    before: Vec<String>,
+    /// Codes of the notes of the revolution before.
+    before: Vec<NoteCode>,
 }
 
 impl Notes {
@@ -24,31 +25,33 @@ impl Notes {
     }
 
     fn new_of(&mut self, frame: &Frame) -> Vec<String> {
-        let mut notes: Vec<String> = frame.notes.iter().map(str::to_owned).collect();
+        let mut notes = frame.notes.coded().to_vec();
         let n = frame.affinity.weights.n();
         if n > 0 && !is_drawn(frame) {
-            notes.push(format!("no picture of W and L: {n} returns, pictures are made up to {LARGEST_SIDE}"));
+            notes.push((N099, format!("no picture of W and L: {n} returns, pictures are made up to {LARGEST_SIDE}")));
         }
-        let kinds: Vec<String> = notes.iter().map(|note| NotesOfFrame::kind_of(note)).collect();
-        let before = std::mem::replace(&mut self.before, kinds);
-        let new = notes.into_iter().zip(&self.before).filter(|(_, kind)| !before.contains(kind));
-        new.map(|(note, _)| note).collect()
+        let codes = notes.iter().map(|(code, _)| *code).collect();
+        let before = std::mem::replace(&mut self.before, codes);
+        notes.into_iter().filter(|(code, _)| !before.contains(code)).map(|(_, note)| note).collect()
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use crosscut_stage::NoteCode::{N001, N094};
+
     use super::*;
 
     #[test]
     fn a_note_is_logged_when_it_begins_and_begins_again() {
-        let noted = |notes: &[&str]| {
+        let noted = |notes: &[(NoteCode, &str)]| {
             let mut frame = Frame::default();
-            notes.iter().for_each(|note| frame.notes.add(*note));
+            frame.notes.extend(notes.iter().copied());
             frame
         };
         let mut notes = Notes::default();
-        let flight = [&["3 beams masked"][..], &["4 beams masked", "lost: x"], &["lost: x"], &[], &["lost: x"]];
+        let lost = (N094, "lost: x");
+        let flight = [&[(N001, "3 beams masked")][..], &[(N001, "4 beams masked"), lost], &[lost], &[], &[lost]];
         let told = flight.map(|frame| notes.new_of(&noted(frame)));
         assert_eq!(told, [vec!["3 beams masked"], vec!["lost: x"], vec![], vec![], vec!["lost: x"]]);
     }

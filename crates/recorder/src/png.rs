@@ -1,7 +1,7 @@
 //! Grey pictures as PNG files.
 //!
-//! The encoder of the crate `image` hands the rows to its compressor one by one, which clears its buffer for each of
-//! them: that took most of the time of a recording. Here a picture is compressed at once, and the compressor is reused.
+//! Own code, because the crate `png` makes a new compressor for each picture: a W of chains (360×360) takes 1.9 times as
+//! long for as many bytes, or 2.3 times the bytes in half the time. Here the compressor is reused.
 
 use flate2::{Compress, Compression, Crc, FlushCompress, Status};
 

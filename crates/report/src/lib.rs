@@ -33,6 +33,5 @@ pub use crosscut_scan::{VEHICLE_PARAMS, VEHICLE_WIDTH_M};
 pub use outline::Outline;
 pub use reporter::{CONFIDENCE, PARAMS, Reporter};
 pub use results::{
-    GapsLine, HereLine, MAX_EIGENVALUES, OpeningLine, PoseLine, RESULTS_SCHEMA_NAME, RESULTS_SCHEMA_TEXT, ResultsLine,
-    SteadyLine, SteadyOpeningLine, WallLine,
+    HereLine, MAX_EIGENVALUES, OpeningLine, PoseLine, RESULTS_SCHEMA_NAME, RESULTS_SCHEMA_TEXT, ResultsLine, SteadyLine,
 };

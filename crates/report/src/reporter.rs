@@ -1,6 +1,7 @@
 //! The report stage: walls, then openings, then the name of the place.
 
-use crosscut_scan::VEHICLE_WIDTH_M;
+use crosscut_scan::{ISLAND_M, VEHICLE_WIDTH_M};
+use crosscut_stage::NoteCode::{N080, N081, N082};
 use crosscut_stage::{
     Count, Junction, Notes, Number, ParamSpec, Params, Partition, Revolution, Spectrum, StageError, Sweep, Verdict,
     Word,
@@ -14,11 +15,6 @@ const MIN_RETURNS: Count = Count::new("min_returns", "returns", 1)
     .from(1)
     .to(1_000_000)
     .doc("clusters with fewer returns are no wall; their returns are labelled -2");
-
-const ISLAND_M: Number = Number::new("island_m", "m", 0.0)
-    .from(0.0)
-    .to(100.0)
-    .doc("a shorter wall in front of what is on both sides of it is an island, not counted; 0: none is");
 
 const OPENINGS: Word = Word::one_of("openings", &["free_space", "between_walls"])
     .doc("where openings are: where the vehicle fits into free space, or wherever one wall ends and another begins");
@@ -120,20 +116,20 @@ impl Reporter {
         odds::set_of_openings(verdicts, out);
         known::mark(verdicts, outline, vehicle_width_m, out);
         out.confidence = if self.uncalibrated {
-            notes.add("report: no confidence, as nothing was calibrated for a stage of one's own");
+            notes.add(N080, "report: no confidence, as nothing was calibrated for a stage of one's own");
             None
         } else if self.confidence_of_scene {
             let spacing_rad = confidence::spacing_rad(outline, &out.openings);
             if spacing_rad > confidence::COARSE_RAD && !out.walls.is_empty() {
                 let spacing_deg = spacing_rad.to_degrees();
-                notes.add(format!(
+                notes.add(N081, format!(
                     "report: returns stand {spacing_deg:.1}° apart, too far to tell a gap in a wall: less confidence"
                 ));
             }
             let doorway = doorway::doorway(outline, vehicle_width_m);
             if let Some(gap) = &doorway {
                 let [from_m, to_m] = gap.ends_m();
-                notes.add(format!(
+                notes.add(N082, format!(
                     "report: {:.1} m of a wall returned nothing, so it may be a doorway: counted as wall, with less confidence",
                     (to_m - from_m).norm()
                 ));

@@ -2,8 +2,8 @@
 
 use std::io::{self, Write};
 
-use crosscut_flight::{FlightAnswer, Here};
-use crosscut_stage::{Frame, Known};
+use crosscut_flight::{FlightAnswer, Here, SteadyOpening};
+use crosscut_stage::{Frame, Known, KnownGaps, Wall};
 use serde::{Deserialize, Serialize};
 
 /// The name of [`RESULTS_SCHEMA_TEXT`].
@@ -37,12 +37,12 @@ pub struct ResultsLine {
     /// The smallest eigenvalues, ascending; at most [`MAX_EIGENVALUES`], so with as many zeros the next is not there.
     pub eigenvalues: Vec<f64>,
     /// Walls, by id.
-    pub walls: Vec<WallLine>,
+    pub walls: Vec<Wall>,
     /// Openings, by bearing ascending.
     pub openings: Vec<OpeningLine>,
     /// How the gaps are known.
     #[serde(default)]
-    pub gaps: GapsLine,
+    pub gaps: KnownGaps,
     /// The widths of the vehicle, about the configured one, for which the count stays the same, metres; null of affinities for
     /// which the vehicle has no width.
     #[serde(default)]
@@ -61,19 +61,6 @@ pub struct ResultsLine {
     pub labels: Vec<i32>,
     /// What was dropped, repaired or fallen back to.
     pub notes: Vec<String>,
-}
-
-/// A wall in the results.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct WallLine {
-    /// Its number.
-    pub id: u32,
-    /// How many returns it has.
-    pub returns: usize,
-    /// Anticlockwise from the first to the last return (from > to crosses ±π).
-    pub bearing_rad: [f64; 2],
-    /// A pillar: in `k`, not in `junctions`.
-    pub island: bool,
 }
 
 /// An opening in the results.
@@ -106,17 +93,6 @@ fn judged() -> String {
     Known::Judged.to_string()
 }
 
-/// How many gaps are known in each way, in the results.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct GapsLine {
-    /// Openings that are seen through.
-    pub seen: u64,
-    /// Gaps within walls that no vehicle of this width can pass, whatever is hidden.
-    pub proved: u64,
-    /// Openings, and gaps within walls, that are judged.
-    pub judged: u64,
-}
-
 /// The place that the vehicle is in, in the results.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HereLine {
@@ -137,18 +113,7 @@ pub struct SteadyLine {
     /// The place; its ways are indices of the openings below.
     pub here: Option<HereLine>,
     /// Openings that are followed, by bearing ascending.
-    pub openings: Vec<SteadyOpeningLine>,
-}
-
-/// An opening that is followed from scan to scan, in the results.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct SteadyOpeningLine {
-    /// Its number in the flight.
-    pub track: u64,
-    /// Direction towards the branch.
-    pub bearing_rad: f64,
-    /// Clear width across the branch.
-    pub width_m: f64,
+    pub openings: Vec<SteadyOpening>,
 }
 
 /// A pose in the frame of the flight's first one, in the results.
@@ -185,11 +150,7 @@ impl ResultsLine {
             confidence: junction.confidence,
             place: junction.place.to_string(),
             eigenvalues: spectrum.eigenvalues.iter().copied().take(MAX_EIGENVALUES).collect(),
-            walls: junction
-                .walls
-                .iter()
-                .map(|w| WallLine { id: w.id, returns: w.returns, bearing_rad: w.bearing_rad, island: w.island })
-                .collect(),
+            walls: junction.walls.clone(),
             openings: junction
                 .openings
                 .iter()
@@ -204,17 +165,13 @@ impl ResultsLine {
                     cut_by_view: o.is_cut_by_view(),
                 })
                 .collect(),
-            gaps: GapsLine { seen: junction.gaps.seen, proved: junction.gaps.proved, judged: junction.gaps.judged },
+            gaps: junction.gaps,
             holds_for_width_m: frame.affinity.holds_for_width_m,
             here: flown.here.as_ref().map(HereLine::of),
             steady: flown.steady.as_ref().map(|steady| SteadyLine {
                 junctions: steady.junctions,
                 here: steady.here.as_ref().map(HereLine::of),
-                openings: steady
-                    .openings
-                    .iter()
-                    .map(|o| SteadyOpeningLine { track: o.track, bearing_rad: o.bearing_rad, width_m: o.width_m })
-                    .collect(),
+                openings: steady.openings.clone(),
             }),
             pose: flown.pose.map(|pose| PoseLine {
                 x_m: pose.translation.x,
@@ -269,7 +226,7 @@ mod tests {
     fn the_schema_names_the_fields_of_a_line() {
         let here = || HereLine { kind: "junction".to_owned(), ways: vec![None], confidence: 1.0 };
         let mut line = ResultsLine::of(&Frame::default());
-        line.walls.push(WallLine { id: 0, returns: 1, bearing_rad: [0.0; 2], island: false });
+        line.walls.push(Wall { id: 0, returns: 1, bearing_rad: [0.0; 2], island: false });
         line.openings.push(OpeningLine {
             bearing_rad: 0.0,
             width_m: 1.0,
@@ -281,7 +238,7 @@ mod tests {
             cut_by_view: false,
         });
         line.here = Some(here());
-        let opening = SteadyOpeningLine { track: 0, bearing_rad: 0.0, width_m: 1.0 };
+        let opening = SteadyOpening { track: 0, bearing_rad: 0.0, width_m: 1.0 };
         line.steady = Some(SteadyLine { junctions: 1, here: Some(here()), openings: vec![opening] });
         line.pose = Some(PoseLine { x_m: 0.0, y_m: 0.0, yaw_rad: 0.0, sd_m: None });
         let line = serde_json::to_value(line).expect("JSON");

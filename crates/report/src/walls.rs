@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use crosscut_stage::NoteCode::N083;
 use crosscut_stage::{Junction, Notes, Partition, Revolution, Wall, counted};
 
 /// Writes `out.walls` and `out.wall_of_return`: one wall per cluster of at least `min_returns` returns, numbered by
@@ -33,9 +34,10 @@ pub(crate) fn from_partition(
     if dropped > 0 {
         let clusters = counted((partition.clusters - out.walls.len()) as u64, "cluster");
         let dropped = counted(dropped as u64, "return");
-        notes.add(format!(
-            "report: {clusters} too small to be a wall, of {dropped}; report.min_returns is {min_returns}"
-        ));
+        notes.add(
+            N083,
+            format!("report: {clusters} too small to be a wall, of {dropped}; report.min_returns is {min_returns}"),
+        );
     }
     set_bearings(revolution, out);
 }

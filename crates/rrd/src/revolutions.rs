@@ -1,6 +1,6 @@
 //! Revolutions rebuilt from a recording as ingest made them, to the last bit.
 
-use crosscut_stage::{Beam, Fan, Notes, Point, Revolution, Sweep};
+use crosscut_stage::{Beam, Fan, NoteCode, Notes, Point, Revolution, Sweep};
 use nalgebra::{Complex, Isometry2, Translation2, UnitComplex};
 
 use crate::schema::{self, Entity};
@@ -91,7 +91,7 @@ impl Revolutions<'_> {
             _ => None,
         };
         if let Some(lines) = self.notes.at(at)?.and_then(text) {
-            scan.notes.extend(lines.lines());
+            scan.notes.extend(lines.lines().map(coded));
         }
         scan.truth = self.truth.only_at(at)?.and_then(text).map(str::to_owned);
         Ok(scan)
@@ -140,6 +140,12 @@ fn text(value: &Value) -> Option<&str> {
         Value::Texts(texts) => texts.first().map(String::as_str),
         _ => None,
     }
+}
+
+/// A line of notes as recorded; of one without a code, as early versions recorded them, what a note of unknown kind has.
+fn coded(line: &str) -> (NoteCode, &str) {
+    let coded = line.split_once(' ').and_then(|(code, note)| Some((NoteCode::named(code)?, note)));
+    coded.unwrap_or((NoteCode::N101, line))
 }
 
 fn points(coordinates: &[f64]) -> Vec<Point> {

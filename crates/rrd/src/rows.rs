@@ -84,11 +84,11 @@ impl Recording {
     /// # Errors
     /// When there is no such entity.
     pub fn rows(&self, entity: &str) -> Result<Rows<'_>, ReadError> {
-        let Some((name, found)) = self.entities.get_key_value(entity) else {
+        let Some((name, found)) = self.entities().get_key_value(entity) else {
             let step = |name: &str| name.split('/').nth(1).unwrap_or_default().to_owned();
-            let mut near: Vec<_> = self.entities.keys().filter(|name| step(name) == step(entity)).cloned().collect();
+            let mut near: Vec<_> = self.entities().keys().filter(|name| step(name) == step(entity)).cloned().collect();
             if near.is_empty() {
-                near.extend(self.entities.keys().cloned());
+                near.extend(self.entities().keys().cloned());
             }
             return Err(ReadError::NoSuchEntity { entity: entity.to_owned(), near });
         };

@@ -193,7 +193,7 @@ entities! {
         "of a cloud, for each of its points the return whose wall is its label, or -1 or -2 as in the labels";
     SCAN_ODOMETRY: "/scan/odometry", SCALAR, ["x_m, y_m, cos, sin"], "m", Exact, Event,
         "pose by odometry, at each revolution that has one";
-    SCAN_NOTES: "/scan/notes", DOCUMENT, [], "", Exact, Change, "what ingest noted, a line each";
+    SCAN_NOTES: "/scan/notes", DOCUMENT, [], "", Exact, Change, "what ingest noted, a line each, with the code of the note";
     SCAN_MOUNTING: "/scan/mounting", "Transform3D:quaternion", [], "", F32, Once,
         "how the sensor's frame is turned in the body frame";
     SCAN_WALLS: "/scan/walls", LINES_3D, ["point", "axis"], "m", Drawing, Revolution,

@@ -46,7 +46,7 @@ pub use lost::LostBeams;
 pub use pieces::{End, LEAST_WALL_RETURNS, Pieces};
 pub use ring::{Position, Return, Ring, turn_rad};
 pub use roughness::Roughness;
-pub use scan::{Lengths, Scan};
+pub use scan::{ISLAND_M, Lengths, Scan};
 pub use vehicle::{VEHICLE_HEIGHT_M, VEHICLE_PARAMS, VEHICLE_WIDTH_M};
 
 /// The median of some values, which are reordered; 0 of none.

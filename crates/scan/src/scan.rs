@@ -1,6 +1,6 @@
 //! The geometry of one revolution.
 
-use crosscut_stage::{Point, StageError, Sweep};
+use crosscut_stage::{Number, Point, StageError, Sweep};
 
 use crate::dust::Dust;
 use crate::islands::Islands;
@@ -13,6 +13,12 @@ use crate::vehicle;
 /// Tunnels are not wider than this to either side. Where the median range is larger, the place is a hall, and its ways
 /// on are no wider for that.
 const HALL_M: f64 = 4.5;
+
+/// The length of an island.
+pub const ISLAND_M: Number = Number::new("island_m", "m", 2.0)
+    .from(0.0)
+    .to(100.0)
+    .doc("a piece of wall no longer than this in front of what is on both sides of it is an island, cut off by the affinity and not counted; 0: none is");
 
 /// The lengths by which a scan is divided, metres.
 #[derive(Clone, Copy, Debug)]

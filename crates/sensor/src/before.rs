@@ -1,5 +1,6 @@
 //! What is odd about a scan beside the one before it: holes in the stamps, steps back, another sensor.
 
+use crosscut_stage::NoteCode::{N040, N041, N042, N043};
 use crosscut_stage::{Notes, Revolution};
 
 const NS_PER_S: f64 = 1e9;
@@ -33,25 +34,28 @@ impl Before {
             return;
         };
         if revolution.stamp_ns == previous.stamp_ns {
-            notes.add("the stamp is that of the scan before");
+            notes.add(N040, "the stamp is that of the scan before");
         } else if revolution.stamp_ns < previous.stamp_ns {
             let back = seconds(previous.stamp_ns, revolution.stamp_ns);
-            notes.add(format!("the stamp is {back} before that of the scan before"));
+            notes.add(N041, format!("the stamp is {back} before that of the scan before"));
         }
         let interval_ns = revolution.stamp_ns.checked_sub(previous.stamp_ns).filter(|&ns| ns > 0);
         let is_gap = |usual_ns: u64| interval_ns.is_some_and(|ns| ns > GAP_NS && ns / GAP_TIMES > usual_ns);
         if previous.usual_ns.is_some_and(is_gap) {
             let on = seconds(revolution.stamp_ns, previous.stamp_ns);
-            notes.add(format!("the stamp is {on} after that of the scan before"));
+            notes.add(N042, format!("the stamp is {on} after that of the scan before"));
         } else {
             previous.usual_ns = interval_ns.or(previous.usual_ns);
         }
         previous.stamp_ns = revolution.stamp_ns;
         if revolution.frame_id != previous.frame_id {
-            notes.add(format!(
-                "frame_id `{}` after `{}`; of several sensors on a topic ingest.frame_id takes one",
-                revolution.frame_id, previous.frame_id
-            ));
+            notes.add(
+                N043,
+                format!(
+                    "frame_id `{}` after `{}`; of several sensors on a topic ingest.frame_id takes one",
+                    revolution.frame_id, previous.frame_id
+                ),
+            );
             previous.frame_id.clone_from(&revolution.frame_id);
         }
     }

@@ -11,6 +11,7 @@
 use std::ops::Range;
 
 use crosscut_messages::LaserScan;
+use crosscut_stage::NoteCode::{N023, N024};
 use crosscut_stage::{Beam, Notes, Revolution, counted};
 
 use crate::Sensor;
@@ -110,7 +111,7 @@ impl BlindSectors {
             let beams = || sector.range().map(|beam| beam % turn_beams).filter(|beam| *beam < all);
             let returns = beams().filter(|&beam| matches!(sweep.beams[beam], Beam::Return(_))).count();
             if returns as f64 > REVOKED_SHARE * sector.beams as f64 {
-                notes.add("a sector that was taken as blind returns something: it is in view from here on");
+                notes.add(N024, "a sector that was taken as blind returns something: it is in view from here on");
                 return false;
             }
             let mut hidden = 0;
@@ -125,14 +126,17 @@ impl BlindSectors {
                     [sector.first, sector.first + sector.beams - 1].map(|beam| sweep.bearings_rad[beam % turn_beams]);
                 let [from, to] = if sweep.view().clockwise { [ends[1], ends[0]] } else { ends };
                 let margin_rad = 0.5 * sweep.step_rad;
-                notes.add(format!(
-                    "{} never returned anything in the first scans, taken as blind: \
+                notes.add(
+                    N023,
+                    format!(
+                        "{} never returned anything in the first scans, taken as blind: \
                      ingest.masked_sectors_rad = [[{:.3}, {:.3}]] masks them for good; \
                      ingest.find_blind_sectors = false turns this off",
-                    counted(hidden, "beam"),
-                    as_setting_rad(from - margin_rad),
-                    as_setting_rad(to + margin_rad)
-                ));
+                        counted(hidden, "beam"),
+                        as_setting_rad(from - margin_rad),
+                        as_setting_rad(to + margin_rad)
+                    ),
+                );
             }
             true
         });

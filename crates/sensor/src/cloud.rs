@@ -2,6 +2,7 @@
 
 use crosscut_messages::Cloud;
 use crosscut_scan::LevelView;
+use crosscut_stage::NoteCode::{N001, N008, N010, N027, N030, N031, N032, N062, N063};
 use crosscut_stage::{Notes, Point, Revolution, Sweep, counted};
 use nalgebra::{Isometry2, Point2};
 
@@ -43,11 +44,11 @@ impl Sensor {
         *first_rad = self.own_angle_rad(f64::from(*first_rad) - self.yaw_rad) as f32;
         *step_rad = self.own_angle_rad(seen.step_rad) as f32;
         if let Some(beams) = beams {
-            notes.add(format!("sweep of {beams} beams processed as a cloud of {} beams", seen.len()));
+            notes.add(N062, format!("sweep of {beams} beams processed as a cloud of {} beams", seen.len()));
         }
         if aside > 0 {
             let aside = counted(aside as u64, "return");
-            notes.add(format!("{aside} above or below the vehicle, or within it, ignored"));
+            notes.add(N063, format!("{aside} above or below the vehicle, or within it, ignored"));
         }
     }
 
@@ -62,13 +63,13 @@ impl Sensor {
         let (mut at_sensor, mut near, mut far, mut masked, mut of_other_rings) = (0, 0, 0, 0, 0);
         let slices = !self.rings.is_empty() && !cloud.rings.is_empty();
         if !self.rings.is_empty() && cloud.rings.is_empty() {
-            notes.add("the cloud does not state rings: ingest.rings takes all points");
+            notes.add(N030, "the cloud does not state rings: ingest.rings takes all points");
         }
         let motion =
             motion.filter(|motion| motion.way_m() >= LEAST_WAY_M || motion.turned_rad().abs() >= LEAST_TURN_RAD);
         if let Some(motion) = motion {
             let (turned_deg, way_m) = (motion.turned_rad().to_degrees(), motion.way_m());
-            notes.add(format!(
+            notes.add(N027, format!(
                 "turned by {turned_deg:.1}° and moved by {way_m:.2} m during the scan: points brought to the middle of it"
             ));
         }
@@ -98,16 +99,16 @@ impl Sensor {
                 });
             }
         }
-        let mut note = |count: u64, what: &str| {
+        let mut note = |code, count: u64, what: &str| {
             if count > 0 {
-                notes.add(format!("{} {what}", counted(count, "point")));
+                notes.add(code, format!("{} {what}", counted(count, "point")));
             }
         };
-        note(at_sensor, "at the sensor itself read as no return");
-        note(near, &format!("nearer than min_range_m {} m left out", self.min_range_m));
-        note(far, &format!("beyond max_range_m {} m read as no return", self.max_range_m));
-        note(masked, "in masked sectors left out");
-        note(of_other_rings, "of other rings than ingest.rings left out");
+        note(N031, at_sensor, "at the sensor itself read as no return");
+        note(N008, near, &format!("nearer than min_range_m {} m left out", self.min_range_m));
+        note(N010, far, &format!("beyond max_range_m {} m read as no return", self.max_range_m));
+        note(N001, masked, "in masked sectors left out");
+        note(N032, of_other_rings, "of other rings than ingest.rings left out");
     }
 }
 

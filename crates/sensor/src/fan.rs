@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use crosscut_messages::LaserScan;
+use crosscut_stage::NoteCode::{N014, N015, N016, N017, N018, N019, N020, N028};
 use crosscut_stage::{self as stage, Notes};
 
 /// A finer step cannot be told from none: f32 angles near π are 2.4e-7 apart.
@@ -34,14 +35,14 @@ impl Fan {
     pub(crate) fn new(scan: &LaserScan, notes: &mut Notes) -> Option<Self> {
         let beams = scan.ranges.len();
         if beams == 0 {
-            notes.add("the scan has no beams");
+            notes.add(N014, "the scan has no beams");
             return None;
         }
         let scan = &in_radians(scan, notes);
         let first_rad = f64::from(scan.angle_min);
         let is_angle = first_rad.abs() <= LARGEST_ANGLE_RAD;
         if !is_angle {
-            notes.add(format!("angle_min {} is no angle in rad: no beam has a bearing", scan.angle_min));
+            notes.add(N015, format!("angle_min {} is no angle in rad: no beam has a bearing", scan.angle_min));
             return None;
         }
         if beams == 1 {
@@ -51,8 +52,8 @@ impl Fan {
         let beams_in_turn = in_turn(increment_rad, beams);
         match beams - beams_in_turn {
             0 => {}
-            1 => notes.add("the last beam looks where the first one does: left out"),
-            more => notes.add(format!("{more} beams beyond a full turn left out")),
+            1 => notes.add(N016, "the last beam looks where the first one does: left out"),
+            more => notes.add(N017, format!("{more} beams beyond a full turn left out")),
         }
         Some(Self { first_rad, increment_rad, beams_in_turn, short_rad: SHORT_RAD })
     }
@@ -123,13 +124,13 @@ fn in_radians(scan: &LaserScan, notes: &mut Notes) -> Angles {
     let [to_rad, step_to_rad] = if steps < LEAST_DEGREE_STEPS || !is_odd {
         [1.0; 2]
     } else if fits(degree, degree) {
-        notes.add("angle_min, angle_max and angle_increment are in degrees");
+        notes.add(N028, "angle_min, angle_max and angle_increment are in degrees");
         [degree; 2]
     } else if fits(1.0, degree) {
-        notes.add(format!("angle_increment {angle_increment} is in degrees"));
+        notes.add(N028, format!("angle_increment {angle_increment} is in degrees"));
         [1.0, degree]
     } else if fits(degree, 1.0) {
-        notes.add("angle_min and angle_max are in degrees");
+        notes.add(N028, "angle_min and angle_max are in degrees");
         [degree, 1.0]
     } else {
         [1.0; 2]
@@ -160,22 +161,29 @@ fn increment_rad(scan: &Angles, notes: &mut Notes) -> Option<f64> {
         // Many drivers give the end one step past the last beam; that is no contradiction.
         let fits = (steps * stated_rad - span_rad).abs() <= 1.5 * stated_rad.abs();
         if !fits {
-            notes.add(format!(
-                "angle_max {} does not fit {} beams: bearings are those of angle_min and angle_increment",
-                scan.angle_max, scan.beams
-            ));
+            notes.add(
+                N018,
+                format!(
+                    "angle_max {} does not fit {} beams: bearings are those of angle_min and angle_increment",
+                    scan.angle_max, scan.beams
+                ),
+            );
         }
         return Some(stated_rad);
     }
     let derived_rad = span_rad / steps;
     if usable(derived_rad) && span_rad.abs() <= TAU + derived_rad.abs() {
-        notes.add(format!("angle_increment {} replaced by (angle_max - angle_min) / steps", scan.angle_increment));
+        notes
+            .add(N019, format!("angle_increment {} replaced by (angle_max - angle_min) / steps", scan.angle_increment));
         Some(derived_rad)
     } else {
-        notes.add(format!(
-            "angle_increment {} and angle_max {} are unusable: no beam has a bearing",
-            scan.angle_increment, scan.angle_max
-        ));
+        notes.add(
+            N020,
+            format!(
+                "angle_increment {} and angle_max {} are unusable: no beam has a bearing",
+                scan.angle_increment, scan.angle_max
+            ),
+        );
         None
     }
 }

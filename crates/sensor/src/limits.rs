@@ -1,6 +1,7 @@
 //! What a range means.
 
 use crosscut_messages::LaserScan;
+use crosscut_stage::NoteCode::{N001, N002, N003, N004, N005, N006, N007, N008, N009, N010, N011, N012, N013, N029};
 use crosscut_stage::{Notes, counted};
 
 /// Ranges this near to `range_max` (a few units in the last place of an f32) are `range_max`: a driver that works in
@@ -76,19 +77,22 @@ impl Limits {
     pub(crate) fn new(scan: &LaserScan, min_m: f64, max_m: f64, notes: &mut Notes) -> Self {
         let mut wire_min_m = f64::from(scan.range_min);
         if !(0.0..f64::INFINITY).contains(&wire_min_m) {
-            notes.add(format!("range_min {} m is no range: taken as 0", scan.range_min));
+            notes.add(N011, format!("range_min {} m is no range: taken as 0", scan.range_min));
             wire_min_m = 0.0;
         }
         let mut wire_max_m = f64::from(scan.range_max);
         let is_range = wire_max_m > 0.0;
         if !is_range {
-            notes.add(format!("range_max {} m is no range: taken as no limit", scan.range_max));
+            notes.add(N012, format!("range_max {} m is no range: taken as no limit", scan.range_max));
             wire_max_m = f64::INFINITY;
         } else if wire_max_m <= wire_min_m {
-            notes.add(format!(
-                "range_max {} m is not above range_min {} m: both taken as no limit",
-                scan.range_max, scan.range_min
-            ));
+            notes.add(
+                N013,
+                format!(
+                    "range_max {} m is not above range_min {} m: both taken as no limit",
+                    scan.range_max, scan.range_min
+                ),
+            );
             (wire_min_m, wire_max_m) = (0.0, f64::INFINITY);
         }
         let code_m = code_m(&scan.ranges, (wire_max_m * (1.0 - ROUNDING)) as f32);
@@ -136,31 +140,32 @@ impl Limits {
     pub(crate) fn note(&self, tally: &Tally, notes: &mut Notes) {
         // As f32 again, in which the scan states them: 5.6, not 5.599999904632568.
         let (wire_min_m, wire_max_m) = (self.wire_min_m as f32, self.wire_max_m as f32);
-        let mut note = |count: usize, what: String| {
+        let mut note = |code, count: usize, what: String| {
             if count > 0 {
-                notes.add(format!("{} {what}", counted(count as u64, "beam")));
+                notes.add(code, format!("{} {what}", counted(count as u64, "beam")));
             }
         };
-        note(tally.masked, "in masked sectors left out".to_owned());
-        note(tally.zero, "of range 0 read as no return".to_owned());
-        note(tally.negative, "of negative range read as no return".to_owned());
-        note(tally.too_near, "of range -inf, too near to measure, left out".to_owned());
-        note(tally.at_wire_max, format!("at or beyond range_max {wire_max_m} m read as no return"));
+        note(N001, tally.masked, "in masked sectors left out".to_owned());
+        note(N002, tally.zero, "of range 0 read as no return".to_owned());
+        note(N003, tally.negative, "of negative range read as no return".to_owned());
+        note(N004, tally.too_near, "of range -inf, too near to measure, left out".to_owned());
+        note(N005, tally.at_wire_max, format!("at or beyond range_max {wire_max_m} m read as no return"));
         if let Some(code_m) = self.code_m {
-            note(tally.code, format!("of exactly {code_m} m, the largest range, read as no return"));
+            note(N006, tally.code, format!("of exactly {code_m} m, the largest range, read as no return"));
         }
-        note(tally.noisy, format!("within noise of range_max {wire_max_m} m read as no return"));
-        note(tally.below_wire_min, format!("below range_min {wire_min_m} m left out"));
-        note(tally.below_min, format!("nearer than min_range_m {} m left out", self.min_m));
+        note(N029, tally.noisy, format!("within noise of range_max {wire_max_m} m read as no return"));
+        note(N007, tally.below_wire_min, format!("below range_min {wire_min_m} m left out"));
+        note(N008, tally.below_min, format!("nearer than min_range_m {} m left out", self.min_m));
         if 2 * tally.far_returns > tally.returns {
             note(
+                N009,
                 tally.far_returns,
                 format!(
                     "farther than {FAR_M} m: ranges are read in metres; of millimetres, --set ingest.range_scale=0.001"
                 ),
             );
         }
-        note(tally.beyond_max, format!("beyond max_range_m {} m read as no return", self.max_m));
+        note(N010, tally.beyond_max, format!("beyond max_range_m {} m read as no return", self.max_m));
     }
 }
 

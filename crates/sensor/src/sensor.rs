@@ -5,6 +5,7 @@ use std::f64::consts::{PI, TAU};
 
 use crosscut_messages::{Echo, LaserScan};
 use crosscut_scan::{VEHICLE_HEIGHT_M, VEHICLE_PARAMS, VEHICLE_WIDTH_M};
+use crosscut_stage::NoteCode::{N021, N022, N025, N026, N027};
 use crosscut_stage::{Beam, Flag, Notes, Number, Pairs, ParamSpec, Params, Point, Revolution, Word, counted};
 
 use crate::directions::Directions;
@@ -246,7 +247,10 @@ impl Sensor {
         sweep.wire_geometry = [scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max];
         self.note_mounting(notes);
         if !scan.intensities.is_empty() && scan.intensities.len() != scan.ranges.len() {
-            notes.add(format!("{} intensities for {} ranges: not used", scan.intensities.len(), scan.ranges.len()));
+            notes.add(
+                N021,
+                format!("{} intensities for {} ranges: not used", scan.intensities.len(), scan.ranges.len()),
+            );
         }
         let limits = Limits::new(scan, self.min_range_m, self.max_range_m, notes);
         sweep.range_max_m = limits.range_max_m();
@@ -260,7 +264,7 @@ impl Sensor {
         let fan = fan.turned(rad_per_beam, scan.ranges.len());
         if rad_per_beam != 0.0 {
             let turned_deg = self.own_angle_rad(rad_per_beam * scan.ranges.len() as f64).to_degrees();
-            notes.add(format!("turned by {turned_deg:.1}° during the scan: beams brought to the middle of it"));
+            notes.add(N027, format!("turned by {turned_deg:.1}° during the scan: beams brought to the middle of it"));
         }
         sweep.step_rad = fan.step_rad();
         sweep.fan = Some(fan.mounted(self.yaw_rad, self.upside_down));
@@ -268,7 +272,7 @@ impl Sensor {
         (sweep.full_turn, sweep.missing) = (missing.is_some(), missing.unwrap_or(0));
         if sweep.missing > 0 {
             let beams = counted(sweep.missing as u64, "beam");
-            notes.add(format!("{beams} short of a full turn: walls are followed across"));
+            notes.add(N022, format!("{beams} short of a full turn: walls are followed across"));
         }
         let mut tally = Tally::default();
         directions.update(self, fan, scan.ranges.len());
@@ -318,10 +322,10 @@ impl Sensor {
     pub(crate) fn note_mounting(&self, notes: &mut Notes) {
         let by = if self.is_mount_stated { ", by /tf_static; ingest.mount_from_tf = false turns this off" } else { "" };
         if self.upside_down {
-            notes.add(format!("bearings mirrored: the sensor is mounted upside down{by}"));
+            notes.add(N025, format!("bearings mirrored: the sensor is mounted upside down{by}"));
         }
         if self.yaw_rad != 0.0 {
-            notes.add(format!("bearings turned by the sensor's yaw of {} rad{by}", self.yaw_rad));
+            notes.add(N026, format!("bearings turned by the sensor's yaw of {} rad{by}", self.yaw_rad));
         }
     }
 }

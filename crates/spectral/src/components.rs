@@ -1,36 +1,31 @@
 //! `components`: the zero eigenvalues without a decomposition, of the graph without its weak edges.
 //!
-//! The components of the graph, by union-find. Every weight of at least `least_weight` is an edge; weaker ones, and those
-//! of 0, are not there, in L as well.
+//! The components of the graph, by union-find. Every weight of at least [`LEAST_WEIGHT`] is an edge; weaker ones
+//! are not there, in L as well.
 //!
 //! That L has the eigenvalue 0 once for each component C, with the eigenvector D^1/2 1_C / ‖D^1/2 1_C‖: these are U,
 //! components in the order of their first return. Nothing else is computed: `eigenvalues` holds the k exact zeros without
 //! the next one, so that there is no margin, and `tolerance` is the smallest normal number, which any positive number
 //! could replace.
 
-use crosscut_stage::{Affinity, DisjointSets, Eigenvalues, Kind, Notes, Number, SpectralStage, Spectrum, StageError};
+use crosscut_stage::{Affinity, DisjointSets, Eigenvalues, Kind, Notes, SpectralStage, Spectrum, StageError};
 
 use crate::degrees::{check_degrees, sum_volumes};
 
-const LEAST_WEIGHT: Number = Number::new("least_weight", "", 1e-4)
-    .from(0.0)
-    .to(1.0)
-    .follows("affinity.leak", 1e4)
-    .doc("an edge of less is none, as the leaks of preset default are, and returns 2.5 m apart by rbf; 0: every weight is one");
+/// An edge of a smaller weight is none, as the weak edges of affinity `passage` are, and those of `rbf` over 2.5 m.
+const LEAST_WEIGHT: f64 = 1e-4;
 
 /// Union-find in place of a decomposition.
 pub const KIND: Kind<dyn SpectralStage> = Kind::spectral(
     "components",
     "the zero eigenvalues alone, exact: one for each connected component of the edges that are not weak (baseline)",
-    |params| Box::new(Components { least_weight: params.get(LEAST_WEIGHT), ..Components::default() }),
+    |_| Box::new(Components::default()),
 )
-.params(&[LEAST_WEIGHT.spec])
 .eigenvalues(Eigenvalues::Zeros)
 .stays_sparse();
 
 #[derive(Default)]
 struct Components {
-    least_weight: f64,
     sets: DisjointSets,
     /// Σ of the edges at each return.
     degrees: Vec<f64>,
@@ -41,7 +36,7 @@ struct Components {
 impl Components {
     /// Joins the returns of each edge, and sums the edges at each return.
     fn follow_edges(&mut self, affinity: &Affinity) -> Result<(), StageError> {
-        let Self { least_weight, sets, degrees, .. } = self;
+        let Self { sets, degrees, .. } = self;
         let n = affinity.weights.n();
         sets.reset(n);
         degrees.clear();
@@ -50,7 +45,7 @@ impl Components {
         affinity.weights.for_each(|i, j, weight| {
             if !weight.is_finite() {
                 not_finite.get_or_insert(i);
-            } else if weight >= *least_weight && weight != 0.0 {
+            } else if weight >= LEAST_WEIGHT {
                 sets.join(i, j);
                 degrees[i] += weight;
             }
@@ -71,17 +66,11 @@ impl SpectralStage for Components {
         out.eigenvalues.clear();
         out.eigenvalues.resize(out.k, 0.0);
         (out.tolerance, out.margin_decades) = (f64::MIN_POSITIVE, None);
-        (out.zeros_bound, out.span_bound) = (0.0, 0.0);
         out.u.write_rows(degrees.len(), out.k, |i, row| {
             let component = component_of_return[i];
             row.push((component, (degrees[i] / volumes[component as usize]).sqrt()));
         });
         Ok(())
-    }
-
-    fn memory_bytes(&self, n: usize, _: usize) -> u64 {
-        // A parent, a degree and at most one volume a return.
-        (n as u64).saturating_mul(4 + 8 + 8)
     }
 }
 
@@ -91,18 +80,18 @@ mod tests {
 
     use super::*;
 
-    fn k(least_weight: f64) -> usize {
-        // 0 and 1 are one wall, 2 and 3 another; the two leak.
+    fn k(weights: [f64; 3]) -> usize {
         let mut affinity = Affinity::default();
         let w = affinity.weights.make_dense(4);
         w.fill(0.0);
         w.diagonal_mut().fill(1.0);
-        for (i, j, weight) in [(0, 1, 0.5), (1, 2, 1e-7), (2, 3, 0.5)] {
+        for (i, weight) in weights.into_iter().enumerate() {
+            let j = i + 1;
             (w[(i, j)], w[(j, i)]) = (weight, weight);
         }
         affinity.sum_degrees();
         let mut out = Spectrum::default();
-        let mut stage = KIND.with(&[("least_weight", least_weight.into())]).expect("a weight");
+        let mut stage = KIND.with(&[]).expect("no parameters");
         stage.spectrum(&affinity, &mut out, &mut Notes::default()).expect("a sound affinity");
         let u = out.u.to_dense();
         assert!((u.transpose() * &u - Mat::<f64>::identity(out.k, out.k)).norm_max() < 1e-15, "UᵀU = I: {u:?}");
@@ -110,13 +99,8 @@ mod tests {
     }
 
     #[test]
-    fn a_weak_edge_joins_no_components_unless_every_weight_is_an_edge() {
-        assert_eq!((k(1e-4), k(0.0), k(0.6)), (2, 1, 4));
-    }
-
-    #[test]
-    fn a_least_weight_that_is_none_is_refused() {
-        let is_refused = |weight: f64| KIND.with(&[("least_weight", weight.into())]).is_err();
-        assert!([-1e-9, 1.1, f64::NAN].into_iter().all(is_refused));
+    fn a_weak_edge_joins_no_components() {
+        let of_path = [[0.5, 1e-7, 0.5], [0.5, 1e-4, 0.5], [1e-9, 1e-7, 0.0]];
+        assert_eq!(of_path.map(k), [2, 1, 4]);
     }
 }

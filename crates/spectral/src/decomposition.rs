@@ -10,8 +10,6 @@ use faer::prelude::ReborrowMut;
 use faer::traits::pulp::Arch;
 use faer::{Mat, MatMut, MatRef, Par, Spec};
 
-use crate::laplacian::dense_bytes;
-
 /// Smaller entries are negligible beside a Laplacian's rounding of 1e-16 and a tolerance of 1e-14.
 const NEGLIGIBLE: f64 = 1e-30;
 
@@ -57,13 +55,6 @@ impl Decomposition {
     /// The unit eigenvector of the eigenvalue at `j`.
     pub(crate) fn eigenvector(&self, j: usize) -> &[f64] {
         self.eigenvectors.col_as_slice(j)
-    }
-
-    /// Bytes that a decomposition of n rows takes beside its input.
-    pub(crate) fn memory_bytes(n: usize) -> u64 {
-        // faer adds without looking for overflow; what 2^28 returns would need is more than any machine has.
-        let scratch_bytes = if n == 0 { 0 } else { scratch_of(n.min(1 << 28)).unaligned_bytes_required() as u64 };
-        dense_bytes(n).saturating_add(scratch_bytes)
     }
 }
 

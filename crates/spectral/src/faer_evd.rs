@@ -6,7 +6,7 @@ use crosscut_stage::{Affinity, Eigenvalues, Kind, Notes, SpectralStage, Spectrum
 
 use crate::decomposition::Decomposition;
 use crate::embedding::embed;
-use crate::laplacian::{Laplacian, dense_bytes};
+use crate::laplacian::Laplacian;
 use crate::zeros::ZERO_TOLERANCE;
 
 /// The full decomposition, against which the other solvers are checked.
@@ -33,10 +33,5 @@ impl SpectralStage for FaerEvd {
     fn spectrum(&mut self, affinity: &Affinity, out: &mut Spectrum, _: &mut Notes) -> Result<(), StageError> {
         self.decomposition.decompose(self.laplacian.form(affinity)?, &mut out.eigenvalues)?;
         embed(self.tolerance, |j| self.decomposition.eigenvector(j), out)
-    }
-
-    fn memory_bytes(&self, n: usize, _: usize) -> u64 {
-        // L, and what its decomposition takes.
-        dense_bytes(n).saturating_add(Decomposition::memory_bytes(n))
     }
 }

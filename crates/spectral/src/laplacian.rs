@@ -55,8 +55,3 @@ impl Laplacian {
         }
     }
 }
-
-/// Bytes of one dense n×n matrix; its columns start on multiples of 64 bytes.
-pub(crate) fn dense_bytes(n: usize) -> u64 {
-    (n.next_multiple_of(8) as u64).saturating_mul(n as u64).saturating_mul(8)
-}

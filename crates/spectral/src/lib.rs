@@ -55,5 +55,9 @@ use crosscut_stage::{Kind, SpectralStage};
 pub use laplacian::Laplacian;
 pub use zeros::{ZERO_TOLERANCE, recount};
 
+/// A solver with working memory of n×n takes no more than this many such matrices: L, its factors, its eigenvectors and the
+/// scratch of their decomposition.
+pub const MOST_MATRICES: u64 = 6;
+
 /// The solvers that crosscut ships, in the order in which messages list them; the first is the default.
 pub const KINDS: &[Kind<dyn SpectralStage>] = &[faer_evd::KIND, slicing::KIND, blocks::KIND, components::KIND];

@@ -6,13 +6,11 @@ use crosscut_stage::{Embedding, Number, Spectrum};
 pub const ZERO_TOLERANCE: Number = Number::new("zero_tolerance", "", 1e-7)
     .from(1e-14)
     .to(2.0)
-    .follows("affinity.leak", 1.0)
+    .follows("affinity.leak")
     .doc("τ: eigenvalues of the Laplacian below it count as zero; at least 1e-14, as smaller ones are rounding");
 
-/// Sets τ, k and the margin of a spectrum of n eigenvalues without bounds, of which all zeros are known, and the next,
-/// ascending.
+/// Sets τ, k and the margin of a spectrum of n eigenvalues, of which all zeros are known, and the next, ascending.
 pub(crate) fn count_zeros(spectrum: &mut Spectrum, n: usize, tolerance: f64) {
-    (spectrum.zeros_bound, spectrum.span_bound) = (0.0, 0.0);
     spectrum.tolerance = tolerance;
     let below = spectrum.eigenvalues.partition_point(|&eigenvalue| eigenvalue < tolerance);
     // The first is 0, even if rounding has lifted it above τ.

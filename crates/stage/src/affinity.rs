@@ -119,15 +119,6 @@ impl Weights {
         }
     }
 
-    /// Bytes that the stored entries take.
-    pub fn memory_bytes(&self) -> u64 {
-        let entry_bytes = match self {
-            Self::Dense(_) => size_of::<f64>(),
-            Self::Sparse(_) => size_of::<f64>() + size_of::<u32>(),
-        };
-        (self.stored() * entry_bytes) as u64
-    }
-
     /// Calls `entry(i, j, W_ij)` for every stored entry, row by row for `Sparse`, column by column for `Dense`.
     pub fn for_each(&self, mut entry: impl FnMut(usize, usize, f64)) {
         match self {

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use serde::{Deserialize, Serialize};
+
 use crate::{Known, KnownGaps, Point};
 
 /// Answers of at least this confidence are called sure.
@@ -41,7 +43,7 @@ impl Junction {
 }
 
 /// The returns between two consecutive openings.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Wall {
     /// Its number.
     pub id: u32,

@@ -1,19 +1,19 @@
 //! A stage that can be chosen by name, and its properties, which are known before it is built.
 
-use crate::{AffinityStage, Invariance, KmeansStage, ParamError, ParamSpec, Params, SpectralStage, Storage, Value};
+use crate::{AffinityStage, Invariance, KmeansStage, ParamError, ParamSpec, Params, SpectralStage, Value};
 
 /// One way to do a stage: its name in the configuration, its parameters, its properties, and how to build it.
 ///
 /// A constant beside the stage declares it, and a line in the list of kinds makes it known:
 ///
 /// ```
-/// use crosscut_stage::{Affinity, AffinityStage, Invariance, Kind, Notes, Revolution, StageError, Storage};
+/// use crosscut_stage::{Affinity, AffinityStage, Invariance, Kind, Notes, Revolution, StageError};
 ///
 /// /// Every return on its own: W = I.
 /// struct Alone;
 ///
 /// const KIND: Kind<dyn AffinityStage> =
-///     Kind::affinity("alone", "every return on its own", |_| Box::new(Alone)).storage(Storage::Sparse(|_, _| 1));
+///     Kind::affinity("alone", "every return on its own", |_| Box::new(Alone));
 ///
 /// impl AffinityStage for Alone {
 ///     fn weigh(&mut self, revolution: &Revolution, out: &mut Affinity, _: &mut Notes) -> Result<(), StageError> {
@@ -83,9 +83,7 @@ pub trait StageKind {
 /// The properties that a kind of affinity declares.
 #[derive(Clone, Copy, Debug)]
 pub struct AffinityProperties {
-    /// How it stores W.
-    pub storage: Storage,
-    /// It needs the beams of a sweep, and refuses points without any.
+    /// It needs the beams of a sweep, and refuses points without any. Its W has few entries in a row.
     pub needs_beams: bool,
     /// Changes of a revolution that leave W alone.
     pub blind_to: &'static [Invariance],
@@ -94,20 +92,13 @@ pub struct AffinityProperties {
 impl StageKind for dyn AffinityStage {
     const SECTION: &'static str = "affinity";
     type Properties = AffinityProperties;
-    const DEFAULT: AffinityProperties =
-        AffinityProperties { storage: Storage::Dense, needs_beams: false, blind_to: &[] };
+    const DEFAULT: AffinityProperties = AffinityProperties { needs_beams: false, blind_to: &[] };
 }
 
 impl Kind<dyn AffinityStage> {
     /// A kind without parameters, built by `build` from checked values.
     pub const fn affinity(name: &'static str, doc: &'static str, build: fn(&Params) -> Box<dyn AffinityStage>) -> Self {
         Self::new(name, doc, build)
-    }
-
-    /// How it stores W; a kind that does not state it is dense.
-    pub const fn storage(mut self, storage: Storage) -> Self {
-        self.properties.storage = storage;
-        self
     }
 
     /// It refuses points without beams.

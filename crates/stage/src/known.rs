@@ -3,6 +3,8 @@
 use std::fmt;
 use std::ops::AddAssign;
 
+use serde::{Deserialize, Serialize};
+
 /// How it is known whether a vehicle can pass at a gap: from the beams, from the returns, or by a decision.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Known {
@@ -33,7 +35,7 @@ impl fmt::Display for Known {
 }
 
 /// How many gaps are known in each way.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct KnownGaps {
     /// Openings that are seen through.
     pub seen: u64,

@@ -44,7 +44,7 @@ pub type Names = Param<Vec<String>>;
 
 impl<T> Param<T> {
     const fn of(name: &'static str, unit: &'static str, shape: Shape) -> Self {
-        Self { spec: ParamSpec { name, unit, shape, doc: "", follows: None }, value: PhantomData }
+        Self { spec: ParamSpec { name, unit, shape, doc: "", follows: None, shared: false }, value: PhantomData }
     }
 
     /// What it means, in one sentence.
@@ -89,11 +89,16 @@ impl Number {
         self.with_high(high)
     }
 
-    /// While it is not set itself, it is `times` the value of another parameter, `section.name`. A value of 0, or one
-    /// that is not allowed here, is not followed.
-    pub const fn follows(mut self, parameter: &'static str, times: f64) -> Self {
-        self.spec.follows = Some(Follows { parameter, times });
+    /// While it is not set itself, it has the value of another parameter, `section.name`. A value of 0, or one that is
+    /// not allowed here, is not followed.
+    pub const fn follows(mut self, parameter: &'static str) -> Self {
+        self.spec.follows = Some(parameter);
         self
+    }
+
+    /// This parameter of another section, `section.name`, as one that a stage reads. It is set and printed there alone.
+    pub const fn shared(self, parameter: &'static str) -> ParamSpec {
+        ParamSpec { shared: true, ..self.follows(parameter).spec }
     }
 }
 
@@ -174,17 +179,10 @@ pub struct ParamSpec {
     pub shape: Shape,
     /// What it means, in one sentence.
     pub doc: &'static str,
-    /// Where its value comes from while it is not set.
-    pub follows: Option<Follows>,
-}
-
-/// The value of another parameter, times a factor.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Follows {
-    /// The other parameter, `section.name`.
-    pub parameter: &'static str,
-    /// The factor.
-    pub times: f64,
+    /// The parameter, `section.name`, whose value it has while it is not set.
+    pub follows: Option<&'static str>,
+    /// The parameter that it follows is the same one: it cannot be set here.
+    pub shared: bool,
 }
 
 /// Type, range and default of a parameter.

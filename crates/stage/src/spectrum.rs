@@ -15,12 +15,6 @@ pub struct Spectrum {
     pub k: usize,
     /// How far, in decades, τ could be moved before k changes; `None` if no eigenvalue is known but exact zeros.
     pub margin_decades: Option<f64>,
-    /// Beyond rounding, the k zeros in `eigenvalues` may be too high by this much, and not too low: what a solver that
-    /// set weak edges aside can prove. 0 where nothing was neglected.
-    pub zeros_bound: f64,
-    /// Beyond rounding, the sine of the largest angle between the columns of U and the eigenvectors of the k zeros is
-    /// at most this. 0 where nothing was neglected.
-    pub span_bound: f64,
     /// U, n×k: an orthonormal basis of what the eigenvectors of the k zeros span. Column j is the unit eigenvector of
     /// λ_j in a full decomposition; with a repeated eigenvalue only the span is defined.
     pub u: Embedding,

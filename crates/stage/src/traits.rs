@@ -88,9 +88,6 @@ pub trait SpectralStage: Send {
     /// # Errors
     /// When the decomposition fails.
     fn spectrum(&mut self, affinity: &Affinity, out: &mut Spectrum, notes: &mut Notes) -> Result<(), StageError>;
-
-    /// Bytes of working memory that a decomposition of n returns takes beside W, of which `stored` entries are stored.
-    fn memory_bytes(&self, n: usize, stored: usize) -> u64;
 }
 
 /// Third stage: the clusters of the rows of U.

@@ -13,7 +13,7 @@ use std::process::ExitCode;
 
 use crosscut_detector::Registry;
 use crosscut_detector::stage::{
-    Affinity, AffinityStage, Invariance, Kind, Notes, Number, Revolution, StageError, Storage,
+    Affinity, AffinityStage, Invariance, Kind, Notes, Number, Revolution, StageError,
 };
 
 const SCALE_M: Number = Number::new("scale_m", "m", 0.5).above(0.0).to(100.0).doc("distance at which W_ij is 1/2");
@@ -24,7 +24,6 @@ const QUARTIC: Kind<dyn AffinityStage> =
         Box::new(Quartic { scale_m: params.get(SCALE_M) })
     })
     .params(&[SCALE_M.spec])
-    .storage(Storage::Dense)
     .blind_to(Invariance::ALL);
 
 struct Quartic {

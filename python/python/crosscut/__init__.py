@@ -8,7 +8,7 @@
 - :func:`count`: one scan. :class:`Engine`: many, also with stages of one's own.
 - :class:`Flight`: poses, and a :class:`Map` of junctions, dead ends and passages, by the scans of a flight in order.
 - :class:`Navigator`: commands for a vehicle that explores all of a mine, and comes home.
-- :func:`run`, :func:`report`, :func:`sweep`: whole recordings into files. :mod:`crosscut.ray`: archives on a cluster.
+- :func:`run`, :func:`report`, :func:`compare`: whole recordings into files. :mod:`crosscut.ray`: archives on a cluster.
 - :class:`Recorder`: scans, stages and reasons for the Rerun viewer. :func:`view`: a recording in it.
 - :func:`read`: the scans of a recording. :func:`results`: a file of results as a table.
 - :mod:`crosscut.sklearn`: an estimator. :mod:`crosscut.testing`: tests for a stage of one's own.
@@ -23,7 +23,7 @@ from ._errors import Error, LossWarning, MissingPackageError, ReadError, Setting
 from ._flight import Flight, Map
 from ._native import Scan, __version__
 from ._navigator import Command, Navigator
-from ._program import report, run, sweep, view
+from ._program import compare, report, run, view
 from ._recorder import Recorder, show
 from ._results import FollowedOpening, Here, Opening, Pose, Result, Steady, Wall, results
 
@@ -65,12 +65,12 @@ __all__ = [
     "Steady",
     "Wall",
     "__version__",
+    "compare",
     "count",
     "read",
     "report",
     "results",
     "run",
     "show",
-    "sweep",
     "view",
 ]

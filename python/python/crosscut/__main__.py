@@ -18,7 +18,7 @@ def main() -> int:
     file of settings may name a callable that the command line names as well: code comes from the command line alone, and from
     what is typed at the prompt of ``debug``.
     """
-    if sys.argv[1:2] in (["run"], ["sweep"]) and "--on" in sys.argv:
+    if sys.argv[1:2] in (["run"], ["compare"]) and "--on" in sys.argv:
         at = sys.argv.index("--on")
         where, arguments = sys.argv[at + 1 : at + 2], sys.argv[2:at] + sys.argv[at + 2 :]
         if where != ["ray"]:
@@ -41,10 +41,9 @@ def _program() -> int:
             text = f"error: there is no stage python:{module}.{name}: {type(error).__name__}: {error}"
             print(text, file=sys.stderr)
             return 2
-    build = _named.build(sys.argv[1:]) if sys.argv[1:2] == ["sweep"] else None
     # As in the program: its own handler where there is one, else the process ends.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
-    return _native.program(["crosscut", *sys.argv[1:]], stages, build, hear, _named.find_again)
+    return _native.program(["crosscut", *sys.argv[1:]], stages, hear, _named.find_again)
 
 
 def hear(address: str, options: dict[str, Any], feed: Any) -> Any:

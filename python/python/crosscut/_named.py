@@ -7,7 +7,7 @@ import importlib
 import os
 import re
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -88,17 +88,6 @@ def build(arguments: Iterable[str], *programs: str | None) -> str:
     digest = hashlib.sha256()
     for path in (_native.__file__, *programs, *(_source(module) for module, _ in named(arguments))):
         digest.update(hashlib.sha256(Path(path).read_bytes() if path is not None else b"").digest())
-    return digest.hexdigest()
-
-
-def build_with(stages: Mapping[str, Callable[..., Any]]) -> str:
-    """The same for callables of this process: the files of their modules stand for them. One without a file, as in a notebook, is
-    another one each time."""
-    digest = hashlib.sha256(Path(_native.__file__).read_bytes())
-    for kind, function in sorted(stages.items()):
-        file = getattr(sys.modules.get(getattr(function, "__module__", "")), "__file__", None)
-        text = Path(file).read_bytes() if file is not None else os.urandom(32)
-        digest.update(kind.encode() + hashlib.sha256(text).digest())
     return digest.hexdigest()
 
 

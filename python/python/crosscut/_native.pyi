@@ -151,7 +151,6 @@ class Feed:
 def program(
     args: Sequence[str],
     stages: Mapping[str, Callable[..., Any]],
-    build: str | None,
     hear: Callable[[str, dict[str, Any], Feed], Any],
     find: Callable[[str], tuple[Callable[..., Any], int]],
 ) -> int: ...

@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-import csv
+import json
 import os
 import signal
 import subprocess
 import sys
-import uuid
+import tempfile
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from . import __main__, _named, _native
 from ._engine import STAGES, Section, setting_changes, toml
 from ._errors import Error, LossWarning, ReadError, SettingsError
-from ._extras import importing
-
-if TYPE_CHECKING:
-    import pyarrow
 
 StrPath: TypeAlias = "str | os.PathLike[str]"
 
@@ -83,81 +79,55 @@ def report(
     return Path(out)
 
 
-def sweep(
+def compare(
     flights: StrPath | Iterable[StrPath],
-    grid: Mapping[str, Sequence[object]],
-    out: StrPath,
+    configurations: Sequence[str] | Mapping[str, str | Mapping[str, Any]] = ("default",),
     *,
-    jobs: int | None = None,
-    preset: str = "default",
+    grid: Mapping[str, Sequence[object]] | None = None,
+    csv: StrPath | None = None,
     settings: Mapping[str, object] | None = None,
-    **sections: Section | Callable[..., Any],
-) -> pyarrow.Table:
-    """Every combination of settings on every flight, one row each; needs pyarrow.
+) -> dict[str, Any]:
+    """Several configurations on flights, each file one, as ``crosscut compare --json`` has it: what the others mend and break
+    against the first where there is a truth (``verdicts``, ``all``, ``families``), and where they differ (``comparisons``).
 
-    >>> sweep("flights/", {"affinity.sigma_per_m2": [0.5, 1.5], "preset": ["paper", "default"]}, out="sweep/")
+    >>> compare("FLIGHT.mcap", {"paper": "paper", "mine": {"preset": "paper", "affinity": my_affinity}})
+    >>> compare("flights/", ["paper"], grid={"affinity.sigma_per_m2": [0.5, 1.5]}, csv="sigma.csv")
 
-    ``out`` is a folder for the table (also as Parquet and CSV) and the plots. What an earlier sweep into it has computed is
-    kept, so that an interrupted one continues. ``jobs`` flights are processed at a time (None: one for each processor). A stage
-    may be any callable, as in :func:`run`; what an earlier sweep has computed counts while the file of its module stays the same.
+    A configuration is a text as after ``--with``, or a mapping with the arguments of :class:`Engine`, in which a stage may be any
+    callable, as in :func:`run`. ``grid``: each configuration with every combination of these values. ``csv``: a file for a row of
+    figures for each flight and configuration. ``settings`` hold for all.
     """
-    if not isinstance(grid, Mapping):
+    options, stages = compared(configurations, grid, settings)
+    with tempfile.TemporaryDirectory() as folder:
+        document = Path(folder, "compared.json")
+        outputs = ["--json", document, *([] if csv is None else ["--csv", csv])]
+        _finish(["compare", *_paths(flights), *options, *outputs, "--quiet"], stages=stages)
+        found: dict[str, Any] = json.loads(document.read_text())
+    return found
+
+
+def compared(
+    configurations: Sequence[str] | Mapping[str, str | Mapping[str, Any]],
+    grid: Mapping[str, Sequence[object]] | None,
+    settings: Mapping[str, object] | None,
+) -> tuple[list[str], dict[str, Callable[..., Any]]]:
+    """The options of ``crosscut compare`` that choose these configurations, and the callables among their stages."""
+    if isinstance(configurations, str) or not isinstance(configurations, (Sequence, Mapping)):
+        raise TypeError(f"configurations are texts, or a mapping of names to them, not {configurations!r}")
+    if grid is not None and not isinstance(grid, Mapping):
         raise TypeError(f"grid is a mapping of settings to lists of values, not {grid!r}")
-    if not grid:
-        raise ValueError("grid names no setting: {'vehicle.width_m': [0.6, 0.9]}")
-    at_a_time = [] if jobs is None else ["--jobs", str(jobs)]
-    stages, sections = _own_stages(sections)
-    options = [*axes(grid), *configuration(preset, settings, sections), *at_a_time]
-    return swept(_paths(flights), Path(out), options, COMMAND, stages)
-
-
-def axes(grid: Mapping[str, Sequence[object]]) -> list[str]:
-    return [part for key, values in grid.items() for part in ("--grid", f"{key}={','.join(map(_value, values))}")]
-
-
-def swept(
-    flights: Sequence[StrPath],
-    out: Path,
-    options: Sequence[str],
-    command: Sequence[str],
-    stages: dict[str, Callable[..., Any]] | None = None,
-) -> pyarrow.Table:
-    """Runs the sweep, but for what is in ``out`` already, and reads its table."""
-    with importing("sweep()"):
-        import pyarrow.parquet
-
-    _finish(["sweep", *flights, "--out", out, *options, "--quiet"], command, stages)
-    table = _table(out / "sweep.csv")
-    unfinished = out / f".{uuid.uuid4().hex}"
-    pyarrow.parquet.write_table(table, unfinished)
-    unfinished.replace(out / "sweep.parquet")
-    return table
-
-
-TEXTS = ("flight", "input_hash", "program")
-COUNTS = ("revolutions", "failed", "flips", "compared")
-FIGURES = ("mean_junctions", "mean_confidence", "sure", "right", "right_count", "sure_right", "auroc", "openings_missed",
-           "openings_false")
-"""Columns of a sweep, beside those of its grid."""
-
-
-def _table(path: Path) -> pyarrow.Table:
-    """The table of a sweep with the types of its columns: an axis has numbers if all its values are."""
-    import pyarrow as pa
-    import pyarrow.csv
-
-    with path.open(newline="", encoding="utf-8") as file:
-        names = next(csv.reader(file))
-    types = dict.fromkeys(names, pa.string()) | dict.fromkeys(COUNTS, pa.int64()) | dict.fromkeys(FIGURES, pa.float64())
-    options = pyarrow.csv.ConvertOptions(column_types=types, null_values=[""])
-    table = pyarrow.csv.read_csv(path, convert_options=options)
-    for place, name in enumerate(names):
-        if name not in TEXTS + COUNTS + FIGURES:
-            try:
-                table = table.set_column(place, name, table[name].cast(pa.float64()))
-            except pa.ArrowInvalid:
-                pass  # texts
-    return table
+    stages: dict[str, Callable[..., Any]] = {}
+    texts = []
+    for name in configurations:
+        of = configurations[name] if isinstance(configurations, Mapping) else None
+        if isinstance(of, Mapping):
+            own, sections = _own_stages({key: value for key, value in of.items() if key != "preset"})
+            stages |= own
+            of = ",".join([of.get("preset", "default"), *setting_changes(None, sections)])
+        texts.append(name if of is None else f"{name}={of}")
+    options = [part for text in texts for part in ("--with", text)]
+    options += [part for key, values in (grid or {}).items() for part in ("--grid", f"{key}={','.join(map(_value, values))}")]
+    return options + configuration("default", settings, {}), stages
 
 
 def _own_stages(sections: Mapping[str, Any]) -> tuple[dict[str, Callable[..., Any]], dict[str, Any]]:
@@ -193,9 +163,8 @@ class _Fork:
                 os.dup2(writing, 2)
                 os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
                 signal.signal(signal.SIGINT, signal.SIG_DFL)
-                build = _named.build_with(stages) if arguments[0] == "sweep" else None
                 command = ["crosscut", *(os.fspath(argument) for argument in arguments)]
-                code = _native.program(command, stages, build, __main__.hear, _named.find_again)
+                code = _native.program(command, stages, __main__.hear, _named.find_again)
             finally:
                 os._exit(code)
         os.close(writing)

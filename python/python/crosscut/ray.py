@@ -8,8 +8,8 @@
 than once, as after the loss of a node, but its files are renamed into place when they are whole, so that they are there once.
 What an earlier run into the folder has done with the same program, settings and recording is kept.
 
-From a shell: ``crosscut run --on ray FLIGHTS... --out DIR [--preset P] [--set KEY=VALUE]...``, and ``crosscut sweep --on ray``
-with a ``--grid`` for each axis.
+From a shell: ``crosscut run --on ray FLIGHTS... --out DIR [--preset P] [--set KEY=VALUE]...``, and ``crosscut
+compare --on ray FLIGHTS... --out DIR [--with A]... [--grid KEY=V1,V2]...``.
 """
 
 from __future__ import annotations
@@ -26,7 +26,6 @@ import subprocess
 import sys
 import time
 import uuid
-import warnings
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -34,9 +33,9 @@ from typing import TYPE_CHECKING, Any
 
 from . import __version__, _named
 from ._engine import Section
-from ._errors import Error, LossWarning, MissingPackageError
+from ._errors import Error, MissingPackageError
 from ._extras import importing
-from ._program import COMMAND, DONE, SOMETHING_LOST, StrPath, axes, configuration, failure, swept
+from ._program import COMMAND, DONE, SOMETHING_LOST, StrPath, compared, configuration, failure
 
 if TYPE_CHECKING:
     import pyarrow
@@ -75,21 +74,23 @@ def run(
     return _gather(_flights(flights), Path(out).absolute(), list(command), options, _on_ray(address))
 
 
-def sweep(
+def compare(
     flights: StrPath | Iterable[StrPath],
-    grid: Mapping[str, Sequence[object]],
     out: StrPath,
+    configurations: Sequence[str] | Mapping[str, str | Mapping[str, Any]] = ("default",),
     *,
+    grid: Mapping[str, Sequence[object]] | None = None,
     address: str | None = None,
     command: Sequence[str] = COMMAND,
-    preset: str = "default",
     settings: Mapping[str, object] | None = None,
-    **sections: Section,
 ) -> pyarrow.Table:
-    """As :func:`crosscut.sweep`, with a task of the cluster for each flight; ``flights``, ``address`` and ``command`` as in
-    :func:`run`. The table is that of one process."""
-    options = [*axes(grid), *configuration(preset, settings, sections)]
-    return _sweep(_flights(flights), Path(out).absolute(), list(command), options, _on_ray(address))
+    """The rows of ``crosscut compare --csv`` for each flight, as :func:`crosscut.compare` does it for one; a stage is named by its
+    text, ``python:module.name``. ``flights``, ``address`` and ``command`` as in :func:`run`. ``out`` gets ``NAME.csv`` and
+    ``NAME.json`` of each flight, and ``compare.csv``, ``failures.csv`` and ``times.csv`` of all."""
+    options, stages = compared(configurations, grid, settings)
+    if stages:
+        raise TypeError("a stage on a cluster is named: affinity='python:module.name'")
+    return _compare(_flights(flights), Path(out).absolute(), list(command), options, _on_ray(address))[1]
 
 
 def run_here(
@@ -177,17 +178,49 @@ def _gather(flights: list[Path], out: Path, command: list[str], options: list[st
     return _write_tables(_map(flights, out, [*command, "run"], options, rows), out)
 
 
-def _sweep(flights: list[Path], out: Path, command: list[str], options: list[str], rows: Any) -> pyarrow.Table:
-    """Tasks compute the rows of their flights into ``out``; the program, which finds them there, makes the table."""
-    (out / "rows").mkdir(parents=True, exist_ok=True)
-    _map(flights, out, [*command, "sweep"], options, rows)
-    return swept(flights, out, options, command)
+def _compare(
+    flights: list[Path], out: Path, command: list[str], options: list[str], rows: Any
+) -> tuple[list[dict[str, Any]], pyarrow.Table]:
+    done = _map(flights, out, [*command, "compare"], options, rows)
+    _write_notes(done, out)
+    header, lines = ["flight"], []
+    for row, name in zip(done, _names([Path(row["flight"]) for row in done]), strict=True):
+        if row["code"] in (DONE, SOMETHING_LOST):
+            with (out / f"{name}.csv").open(newline="", encoding="utf-8") as file:
+                header, *of_flight = csv.reader(file)
+            lines += [[row["flight"], *cells[1:]] for cells in of_flight]
+    with (out / "compare.csv").open("w", newline="", encoding="utf-8") as file:
+        csv.writer(file).writerows([header, *lines])
+    return done, _table(header, lines)
+
+
+def _table(header: list[str], lines: list[list[str]]) -> pyarrow.Table:
+    """A column has numbers if all its cells are; an empty one is missing."""
+    with importing("crosscut.ray"):
+        import pyarrow as pa
+
+    def column(name: str, cells: list[str]) -> list[Any]:
+        try:
+            return [None if cell == "" else float(cell) for cell in cells] if name not in TEXTS else cells
+        except ValueError:
+            return cells
+
+    return pa.table({name: column(name, [line[at] for line in lines]) for at, name in enumerate(header)})
+
+
+TEXTS = ("flight", "configuration")
+"""Columns of a comparison that are texts whatever is in them."""
+
+
+def _names(flights: list[Path]) -> list[str]:
+    """A name of its own for each flight."""
+    return [f"{flight.stem}-{hashlib.sha256(os.fsencode(flight)).hexdigest()[:10]}" for flight in flights]
 
 
 def _map(flights: list[Path], out: Path, command: list[str], options: list[str], rows: Any) -> list[dict[str, Any]]:
-    """A row for each flight, in the order of their paths. ``command`` ends in ``run`` or ``sweep``."""
+    """A row for each flight, in the order of their paths. ``command`` ends in ``run`` or ``compare``."""
     out.mkdir(parents=True, exist_ok=True)
-    names = [f"{flight.stem}-{hashlib.sha256(os.fsencode(flight)).hexdigest()[:10]}" for flight in flights]
+    names = _names(flights)
     build = _named.build(options, shutil.which(command[0]))
     code = {"version": __version__, "build": build, "command": command, "options": options}
     work, done = [], []
@@ -241,21 +274,22 @@ def _process(
     part = Path(out) / f".{name}.{uuid.uuid4().hex}"
     part.mkdir()
     try:
-        results, map_file = part / f"{name}.jsonl", part / f"{name}.map.json"
-        outputs: dict[str, list[StrPath]] = {
-            "run": ["--results", results, "--map", map_file, "--set", "pipeline.workers=1"],
-            "sweep": ["--out", part, "--jobs", "1"],
+        outputs: dict[str, dict[str, str]] = {
+            "run": {"--results": f"{name}.jsonl", "--map": f"{name}.map.json"},
+            "compare": {"--csv": f"{name}.csv", "--json": f"{name}.json"},
         }
-        command_line = [*command, flight, *outputs[command[-1]], *options, "--quiet"]
+        written = {option: part / file for option, file in outputs[command[-1]].items()}
+        options = [*options, "--set", "pipeline.workers=1"]
+        command_line: list[StrPath] = [*command, flight, *(word for output in written.items() for word in output), *options, "--quiet"]
         said = subprocess.run(command_line, capture_output=True, text=True)
         if said.returncode < 0:
             raise Killed(f"{flight}: the program was killed by signal {-said.returncode}")
         row: dict[str, Any] = {"flight": flight, "code": said.returncode, "error": None}
         if said.returncode in (DONE, SOMETHING_LOST):
             if command[-1] == "run":
-                row |= _figures(results, map_file)
-            for file in [results, map_file] if command[-1] == "run" else part.glob("rows/*.json"):
-                file.replace(Path(out) / file.relative_to(part))
+                row |= _figures(written["--results"], written["--map"])
+            for file in written.values():
+                file.replace(Path(out) / file.name)
         if said.returncode != DONE:
             row["error"] = str(failure(said.returncode, said.stderr))
         done = {"row": row, "made_of": made_of, "seconds": time.monotonic() - start, "host": socket.gethostname()}
@@ -291,7 +325,7 @@ def _figures(results: Path, map_file: Path) -> dict[str, Any]:
 
 
 def _write_tables(rows: list[dict[str, Any]], out: Path) -> pyarrow.Table:
-    """All flights as Parquet, those that failed with the reason, and times, which differ from run to run."""
+    """All flights as Parquet, and the notes on them."""
     with importing("crosscut.ray"):
         import pyarrow as pa
         import pyarrow.parquet
@@ -303,6 +337,12 @@ def _write_tables(rows: list[dict[str, Any]], out: Path) -> pyarrow.Table:
     unfinished = out / f".{uuid.uuid4().hex}"
     pyarrow.parquet.write_table(table, unfinished)
     unfinished.replace(out / "flights.parquet")
+    _write_notes(rows, out)
+    return table
+
+
+def _write_notes(rows: list[dict[str, Any]], out: Path) -> None:
+    """The flights that failed, with the reason, and times, which differ from run to run."""
     with (out / "failures.csv").open("w", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(["flight", "code", "error"])
@@ -313,21 +353,19 @@ def _write_tables(rows: list[dict[str, Any]], out: Path) -> pyarrow.Table:
         for path in sorted(out.glob("*.done.json")):
             done = json.loads(path.read_text())
             writer.writerow([done["row"]["flight"], f"{done['seconds']:.3f}", done["host"]])
-    return table
 
 
 def main(verb: str, arguments: Sequence[str]) -> int:
-    """``crosscut run --on ray`` or ``crosscut sweep --on ray``; returns the exit code of the program."""
+    """``crosscut run --on ray`` or ``crosscut compare --on ray``; returns the exit code of the program."""
     parser = argparse.ArgumentParser(prog=f"crosscut {verb} --on ray", description="Many flights on a Ray cluster.")
     parser.add_argument("flights", nargs="+", help="recordings, or folders of them; each is a flight of its own")
     parser.add_argument("--out", required=True, metavar="DIR", help="folder that all nodes reach")
     parser.add_argument("--address", help="of the cluster; without one, Ray starts one on this machine")
-    parser.add_argument("--preset", default="default")
-    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="changes")
-    if verb == "sweep":
-        parser.add_argument("--grid", action="append", required=True, metavar="KEY=VALUE,...", help="an axis")
+    passed_on = ["--preset", "--set"] if verb == "run" else ["--with", "--grid", "--set"]
+    for option in passed_on:
+        parser.add_argument(option, action="append", default=[], dest=option, help=f"as of `crosscut {verb}`")
     args = parser.parse_args(arguments)
-    settings = [part for change in args.changes for part in ("--set", change)]
+    options = [part for option in passed_on for value in vars(args)[option] for part in (option, value)]
     try:
         with importing("--on ray"):
             import pyarrow  # noqa: F401
@@ -338,24 +376,18 @@ def main(verb: str, arguments: Sequence[str]) -> int:
     try:
         flights, out = _flights(args.flights), Path(args.out).absolute()
         rows = _on_ray(args.address)
-        options = configuration(args.preset, None, {}) + settings
-        if verb == "sweep":
-            options = [part for axis in args.grid for part in ("--grid", axis)] + options
-            with warnings.catch_warnings(record=True) as losses:
-                warnings.simplefilter("always", LossWarning)
-                table = _sweep(flights, out, list(COMMAND), options, rows)
-            for loss in losses:
-                print(f"warning: {loss.message}", file=sys.stderr)
-            print(f"{len(table)} rows: {out / 'sweep.parquet'}", file=sys.stderr)
-            return SOMETHING_LOST if losses else DONE
-        table = _gather(flights, out, list(COMMAND), options, rows)
+        if verb == "run":
+            table, made = _gather(flights, out, list(COMMAND), options, rows), "flights.parquet"
+            done = table.select(["code", "error"]).to_pylist()
+        else:
+            done, _ = _compare(flights, out, list(COMMAND), options, rows)
+            made = "compare.csv"
     except (ValueError, OSError, Error) as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
-    failed = [error for code, error in zip(table["code"].to_pylist(), table["error"].to_pylist(), strict=True)
-              if code not in (DONE, SOMETHING_LOST)]
-    lost = table["code"].to_pylist().count(SOMETHING_LOST)
-    print(f"{len(table)} flights, {len(failed)} failed, {lost} damaged: {out / 'flights.parquet'}", file=sys.stderr)
+    failed = [row["error"] for row in done if row["code"] not in (DONE, SOMETHING_LOST)]
+    lost = [row["code"] for row in done].count(SOMETHING_LOST)
+    print(f"{len(done)} flights, {len(failed)} failed, {lost} damaged: {out / made}", file=sys.stderr)
     if failed:
         print(f"why: {out / 'failures.csv'}; the first: {failed[0]}", file=sys.stderr)
-    return 1 if len(failed) == len(table) else SOMETHING_LOST if failed or lost else DONE
+    return 1 if len(failed) == len(done) else SOMETHING_LOST if failed or lost else DONE

@@ -1,6 +1,6 @@
 //! W by a callable: affinity(points) -> W.
 
-use crosscut_stage::{Affinity, AffinityStage, Invariance, Kind, Notes, Revolution, StageError, Storage};
+use crosscut_stage::{Affinity, AffinityStage, Invariance, Kind, Notes, Revolution, StageError};
 use pyo3::types::PyTuple;
 
 use super::{CALLABLE, Callable, PYTHON};
@@ -12,7 +12,6 @@ pub(crate) const KIND: Kind<dyn AffinityStage> =
         Box::new(PythonAffinity { callable: Callable::chosen(params) })
     })
     .params(&[CALLABLE.spec])
-    .storage(Storage::Sparse(|_, n| n))
     .blind_to(&[] as &[Invariance]);
 
 struct PythonAffinity {

@@ -41,14 +41,8 @@ impl SpectralStage for PythonSpectral {
             margin_decades: None,
             ..std::mem::take(out)
         };
-        (out.zeros_bound, out.span_bound) = (0.0, 0.0);
         out.u.write_rows(n, k, |i, row| (0..k).map(|j| (j as u32, u.at(i, j))).for_each(|entry| row.push(entry)));
         Ok(())
-    }
-
-    /// What Python takes is not known beforehand: W with all entries, L and its eigenvectors.
-    fn memory_bytes(&self, n: usize, _: usize) -> u64 {
-        3 * (size_of::<f64>() as u64) * (n as u64).saturating_mul(n as u64)
     }
 }
 

@@ -8,7 +8,7 @@ use clap::{Command, CommandFactory};
 use super::Cli;
 
 /// Two lines for each command, the most wanted first; each line is a command that the parser accepts.
-const EXAMPLES: [(&str, [&str; 2]); 22] = [
+const EXAMPLES: [(&str, [&str; 2]); 18] = [
     ("", ["crosscut run FLIGHT.bag", "crosscut run recordings/tee.mcap --preset paper --save tee.rrd"]),
     (
         "run",
@@ -21,35 +21,13 @@ const EXAMPLES: [(&str, [&str; 2]); 22] = [
     ("simulate", ["crosscut simulate loops --seed 7 -o loops.mcap", "crosscut simulate --list"]),
     ("explore", ["crosscut explore loops --seed 7", "crosscut explore --plan PLAN.json --save MISSION.rrd"]),
     (
-        "evaluate",
-        [
-            "crosscut evaluate scenes/ --with default --with paper",
-            "crosscut evaluate FLIGHT.mcap --with mine=paper,affinity.sigma_per_m2=3",
-        ],
-    ),
-    (
         "compare",
         [
-            "crosscut compare FLIGHT.bag --with default --with paper",
-            "crosscut compare FLIGHT.bag --with default --with wide=default,vehicle.width_m=1.2",
+            "crosscut compare scenes/ --with default --with mine=paper,affinity.sigma_per_m2=3",
+            "crosscut compare FLIGHT.bag --grid vehicle.width_m=0.6,0.9,1.2 --csv widths.csv",
         ],
     ),
     ("debug", ["crosscut debug FLIGHT.bag", "crosscut debug FLIGHT.bag --preset paper --json"]),
-    (
-        "replay",
-        [
-            "crosscut replay FLIGHT.rrd --from affinity --set vehicle.width_m=0.8",
-            "crosscut replay FLIGHT.rrd --from spectral --given matrices/",
-        ],
-    ),
-    (
-        "sweep",
-        [
-            "crosscut sweep flights/ --grid vehicle.width_m=0.6,0.9,1.2 -o sweep/",
-            "crosscut sweep flights/ --grid preset=paper,default -o sweep/",
-        ],
-    ),
-    ("runs", ["crosscut runs RUNS.jsonl --where paper", "crosscut runs RUNS.jsonl --diff 1 2"]),
     ("info", ["crosscut info FLIGHT.bag", "crosscut info FLIGHT.db3 --json -"]),
     ("map", ["crosscut map FLIGHT.bag -o MAP.svg", "crosscut map FLIGHT.bag -o MAP.geojson"]),
     (
@@ -80,6 +58,20 @@ const EXAMPLES: [(&str, [&str; 2]); 22] = [
     ),
     ("man", ["crosscut man ~/.local/share/man/man1", "crosscut man target/man"]),
 ];
+
+/// Commands that there were, each with what does the same now.
+const RETIRED: [(&str, &str); 4] = [
+    ("evaluate", "crosscut compare FILES... --with A --with B"),
+    ("sweep", "crosscut compare FILES... --grid KEY=V1,V2 --csv FILE.csv"),
+    ("replay", "crosscut run FLIGHT.rrd --set KEY=VALUE -o FILE.jsonl, or crosscut debug FLIGHT.rrd"),
+    ("runs", "crosscut compare FILES... --with A --with B --json FILE.json"),
+];
+
+/// What to type in place of a command that there was.
+pub(crate) fn instead_of(command: &str) -> Option<String> {
+    let (_, instead) = RETIRED.iter().find(|(retired, _)| *retired == command)?;
+    Some(format!("`{command}` is no longer a command; type: {instead}"))
+}
 
 /// What a page of help looks like: purpose, examples, usage, options.
 const TEMPLATE: &str = "{about-with-newline}\n{before-help}{usage-heading} {usage}\n\n{all-args}{after-help}";

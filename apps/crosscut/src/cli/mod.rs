@@ -9,8 +9,6 @@ pub(crate) mod import;
 pub(crate) mod input;
 pub(crate) mod record;
 pub(crate) mod rrd;
-pub(crate) mod runs;
-pub(crate) mod sweep;
 mod values;
 
 use std::net::SocketAddr;
@@ -23,14 +21,12 @@ use clap_complete::Shell;
 use crate::config;
 use crate::say::say;
 use convert::ConvertArgs;
-use debug::{DebugArgs, ReplayArgs};
+use debug::DebugArgs;
 use explore::ExploreArgs;
 pub(crate) use input::InputArgs;
 use input::RecordingsArgs;
 use record::{LayoutArg, RecordArgs};
 use rrd::RrdCommand;
-use runs::RunsArgs;
-use sweep::SweepArgs;
 use values::{drift_share, html_path, map_path, mcap_path, number, positive, results_path};
 
 /// Counts the walls in 2D lidar scans and finds the openings between them: spectral junction detection.
@@ -58,20 +54,11 @@ pub(crate) enum Command {
     Simulate(SimulateArgs),
     /// Explore a simulated mine in closed loop: a vehicle that finds every way by its junctions, and comes home.
     Explore(ExploreArgs),
-    /// Compare the results of one or more configurations with the truth in recordings (/truth). Each file is a family of
-    /// scenes and gives it its name, so no two files may have the same name.
-    Evaluate(EvaluateArgs),
-    /// Show where the results of two or more configurations differ on a flight; needs no truth.
+    /// Compare configurations: how often each is right, where the recordings have the truth (/truth), else where they differ. Each
+    /// file is a flight, or a family of scenes, of its own; with --join, all are the parts of one flight.
     Compare(CompareArgs),
     /// Debug a flight at a prompt: go to any scan, see what each stage made, change settings, answer the flight again, compare.
     Debug(DebugArgs),
-    /// Answer a recording (.rrd) again from one stage on, with other settings or on arrays of another program: which scans change.
-    Replay(ReplayArgs),
-    /// Try every combination of some settings on a set of flights, each file one: tables and pictures, with accuracy where
-    /// there is truth.
-    Sweep(SweepArgs),
-    /// List the runs that --log kept, or compare two.
-    Runs(RunsArgs),
     /// Show the topics, scans and damage of recordings.
     Info(InfoArgs),
     /// Draw the map of a flight, or write it for other tools: junctions, dead ends and the passages between them.
@@ -144,30 +131,31 @@ pub(crate) struct RunArgs {
     pub(crate) config: ConfigArgs,
     #[command(flatten)]
     pub(crate) input: InputArgs,
-    /// Read on while recordings are written: an MCAP, or a folder in which MCAPs appear, until their recorder closes them or
-    /// Ctrl-C.
-    #[arg(long, conflicts_with_all = ["rate", "to"])]
-    pub(crate) follow: bool,
-    /// Append a line on this run to a history: inputs, settings, build and figures. `crosscut runs` lists it.
-    #[arg(long, value_name = "RUNS.jsonl")]
-    pub(crate) log: Option<PathBuf>,
     /// Play at this multiple of the recorded pace (1 = as recorded); pauses of more than 10 s are skipped.
-    #[arg(long, value_name = "X", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", value_parser = positive, allow_negative_numbers = true, conflicts_with = "follow")]
     pub(crate) rate: Option<f64>,
     /// Show no progress bar and no summary.
     #[arg(short, long)]
     pub(crate) quiet: bool,
     #[command(flatten)]
     pub(crate) live: LiveArgs,
+    /// Send JSON to KEY/results and KEY/map, and a drawing for RViz and Foxglove to the topic KEY/markers.
+    #[arg(long, value_name = "KEY", help_heading = LIVE)]
+    pub(crate) publish: Option<String>,
     #[command(flatten)]
     pub(crate) record: RecordArgs,
 }
 
+const LIVE: &str = "What comes as it comes; live robots are zenoh://HOST[:PORT]/TOPIC and ros2://DOMAIN/TOPIC as INPUT of the wheel (extras live, dds)";
+
+/// How an input is read that is not all there yet.
 #[derive(Debug, Args)]
-#[command(
-    next_help_heading = "Live robots, zenoh://HOST[:PORT]/TOPIC and ros2://DOMAIN/TOPIC as INPUT of the wheel (extras live, dds)"
-)]
+#[command(next_help_heading = LIVE)]
 pub(crate) struct LiveArgs {
+    /// Read on while recordings are written: an MCAP, or a folder in which MCAPs appear, until their recorder closes them or
+    /// Ctrl-C.
+    #[arg(long, conflicts_with = "to")]
+    pub(crate) follow: bool,
     /// Topic of the vehicle's odometry, nav_msgs/Odometry or /tf; of recordings it is found without. The same as --set
     /// ingest.odometry=TOPIC.
     #[arg(long, value_name = "TOPIC")]
@@ -178,9 +166,13 @@ pub(crate) struct LiveArgs {
     /// Configuration of Zenoh: TLS and user and, of zenoh:///TOPIC, the router's endpoint.
     #[arg(long, value_name = "FILE.json5")]
     pub(crate) zenoh_config: Option<PathBuf>,
-    /// Send JSON to KEY/results and KEY/map, and a drawing for RViz and Foxglove to the topic KEY/markers.
-    #[arg(long, value_name = "KEY")]
-    pub(crate) publish: Option<String>,
+}
+
+impl LiveArgs {
+    /// The topic of the odometry, as a setting.
+    pub(crate) fn setting(&self) -> Option<String> {
+        self.odometry.as_ref().map(|topic| format!("ingest.odometry=\"{topic}\""))
+    }
 }
 
 #[derive(Debug, Args)]
@@ -296,70 +288,36 @@ pub(crate) enum SplitArg {
 }
 
 #[derive(Debug, Args)]
-pub(crate) struct EvaluateArgs {
-    #[command(flatten)]
-    pub(crate) input: InputArgs,
-    /// Configuration to evaluate, in parts that commas separate: a preset, a file of settings over it (FILE.toml, or
-    /// FLIGHT.rrd made with `run --save`), single settings over both. `NAME=` before them names it in tables
-    /// (`mine=paper,affinity.sigma_per_m2=3`). Repeat it to see configurations side by side.
-    #[arg(long, value_name = "[NAME=]PRESET|FILE.toml|SETTING[,...]")]
-    pub(crate) with: Vec<String>,
-    /// Single setting that overrides every configuration. May be repeated.
-    #[arg(long, value_name = "SECTION.KEY=VALUE")]
-    pub(crate) set: Vec<String>,
-    /// Show tables of counts, labels, openings and confidence as well, and a command for each revolution that is mended or broken.
-    #[arg(long)]
-    pub(crate) details: bool,
-    /// Write all figures as JSON; `-` is standard output.
-    #[arg(long, value_name = "FILE.json")]
-    pub(crate) json: Option<PathBuf>,
-    /// Write the tables as Markdown; `-` is standard output.
-    #[arg(long, value_name = "FILE.md")]
-    pub(crate) markdown: Option<PathBuf>,
-    /// Draw the first wrong answers of each recording beside the truth, and list all wrong ones, in
-    /// DIR/RECORDING-CONFIGURATION.svg and .csv.
-    #[arg(long, value_name = "DIR")]
-    pub(crate) draw_wrong: Option<PathBuf>,
-    /// Append a line for each configuration to this history: inputs, settings, build and figures. `crosscut runs` lists it.
-    #[arg(long, value_name = "RUNS.jsonl")]
-    pub(crate) log: Option<PathBuf>,
-    /// Show no progress bar and no tables.
-    #[arg(short, long)]
-    pub(crate) quiet: bool,
-}
-
-#[derive(Debug, Args)]
 pub(crate) struct CompareArgs {
     #[command(flatten)]
     pub(crate) input: InputArgs,
-    /// Configuration, given at least twice, in parts that commas separate: a preset, a file of settings over it (FILE.toml,
-    /// or FLIGHT.rrd made with `run --save`), single settings over both. `NAME=` before them names it in tables
-    /// (`mine=paper,affinity.sigma_per_m2=3`). The others are compared with the first.
-    #[arg(long, required_unless_present = "golden", value_name = "[NAME=]PRESET|FILE.toml|SETTING[,...]")]
+    /// Configuration, in parts that commas separate: a preset, a file of settings over it (FILE.toml, or FLIGHT.rrd made with
+    /// `run --save`), single settings over both. `NAME=` before them names it in tables
+    /// (`mine=paper,affinity.sigma_per_m2=3`). Repeat it: the others are compared with the first. [default: default]
+    #[arg(long, value_name = "[NAME=]PRESET|FILE.toml|SETTING[,...]")]
     pub(crate) with: Vec<String>,
+    /// Setting with the values to try in every configuration, such as affinity.sigma_per_m2=0.5,1,1.5. Repeat it to try every
+    /// combination.
+    #[arg(long, value_name = "KEY=V1,V2...")]
+    pub(crate) grid: Vec<String>,
     /// Single setting that overrides every configuration. May be repeated.
     #[arg(long, value_name = "SECTION.KEY=VALUE")]
     pub(crate) set: Vec<String>,
-    /// Compare what every stage of one configuration makes with what is kept in this folder; the first difference by
-    /// revolution, stage and value is shown, and the exit code is 1. DIR/tolerance.json has a tolerance by value.
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["json", "all"])]
-    pub(crate) golden: Option<PathBuf>,
-    /// Keep what the stages make in the folder of --golden, in place of what is there.
-    #[arg(long, requires = "golden", conflicts_with = "junit")]
-    pub(crate) update: bool,
-    /// Write the comparison of --golden as JUnit XML, a test for each revolution.
-    #[arg(long, value_name = "FILE.xml", requires = "golden")]
-    pub(crate) junit: Option<PathBuf>,
-    /// List every stretch of the flight where the walls differ, not only the longest ones, and a command for each revolution that
-    /// is mended or broken.
+    /// Show all tables: counts, labels, openings and confidence, every stretch where walls differ, and a command for each
+    /// revolution that is mended or broken.
     #[arg(long)]
-    pub(crate) all: bool,
-    /// Write all figures and stretches as JSON; `-` is standard output.
+    pub(crate) details: bool,
+    /// Write a row for each flight and configuration; `-` is standard output.
+    #[arg(long, value_name = "FILE.csv")]
+    pub(crate) csv: Option<PathBuf>,
+    /// Write all figures, verdicts and stretches as JSON; `-` is standard output.
     #[arg(long, value_name = "FILE.json")]
     pub(crate) json: Option<PathBuf>,
     /// Show no progress bar and no tables.
     #[arg(short, long)]
     pub(crate) quiet: bool,
+    #[command(flatten)]
+    pub(crate) live: LiveArgs,
 }
 
 #[derive(Debug, Args)]

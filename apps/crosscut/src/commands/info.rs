@@ -7,7 +7,7 @@ use crosscut_detector::Registry;
 use crosscut_evaluate::tables::Table;
 use crosscut_ingest::{CsvGeometry, Description, ReadOptions, ScanDescription, TopicDescription, TopicInfo, describe};
 use crosscut_outfile::Keep;
-use crosscut_stage::{NOTE_CODES, NoteCode, counted};
+use crosscut_stage::{NOTES_PAGE, counted};
 use serde_json::{Value, json};
 
 use crate::cli::InfoArgs;
@@ -18,11 +18,6 @@ use crate::interrupt::stop_on_interrupt;
 use crate::outputs::Document;
 use crate::say::show;
 use crate::typeset::plain;
-
-/// The beginning of docs/notes.md, which is what `crosscut info --note all` prints.
-const NOTES_TITLE: &str = "# Notes\n\nA note says what happened to a revolution: every drop, repair and fallback is one. The \
-    summary of `crosscut run` has the code of each kind, and `crosscut info --note N082` prints its entry. This page is \
-    the output of `crosscut info --note all`.\n";
 
 /// Prints the description of every recording. One that cannot be read does not keep the others from being described.
 pub(crate) fn info(args: &InfoArgs, registry: &Registry) -> anyhow::Result<Outcome> {
@@ -84,12 +79,16 @@ pub(crate) fn info(args: &InfoArgs, registry: &Registry) -> anyhow::Result<Outco
 /// Prints what notes with this code mean.
 fn explain(code: &str) -> anyhow::Result<Outcome> {
     if code == "all" {
-        let entries = NOTE_CODES.iter().map(|entry| format!("\n{}", entry.to_markdown()));
-        show(format!("{NOTES_TITLE}{}", entries.collect::<String>()))?;
+        show(NOTES_PAGE)?;
         return Ok(Outcome::Done);
     }
+    let rows = || NOTES_PAGE.lines().map(|line| line.split('|').map(str::trim).collect::<Vec<_>>());
+    let [heads, row] = ["code", code].map(|name| rows().find(|row| row.len() > 2 && row[1].eq_ignore_ascii_case(name)));
     let unknown = || UsageError(format!("there is no note {code:?}; `crosscut info --note all` lists them"));
-    show(NoteCode::of_code(code).ok_or_else(unknown)?.to_markdown())?;
+    let cells = heads.unwrap_or_default().into_iter().zip(row.ok_or_else(unknown)?);
+    show(
+        cells.filter(|(head, _)| !head.is_empty()).map(|(head, cell)| format!("{head}: {cell}\n")).collect::<String>(),
+    )?;
     Ok(Outcome::Done)
 }
 

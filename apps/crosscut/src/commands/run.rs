@@ -4,17 +4,16 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use crosscut_detector::{Config, Registry};
-use crosscut_ingest::{Feed, Following, Truths};
+use crosscut_ingest::Truths;
 use crosscut_pipeline::{End, StopFlag};
 use crosscut_stage::counted;
 
 use crate::cli::RunArgs;
 use crate::diagnostics::Diagnostics;
 use crate::exit::{Outcome, UsageError, is_closed_pipe};
-use crate::fly::{Flight, Flown, How, files_read, files_to_come, fly};
+use crate::fly::{Coming, Flight, Flown, How, files_of, fly};
 use crate::interrupt::stop_on_interrupt;
 use crate::live::{self, Robots};
-use crate::run_log::Run;
 use crate::say::{say, show};
 use crate::written::Written;
 use crate::{observers, outputs, progress, summary};
@@ -23,29 +22,17 @@ use crate::{observers, outputs, progress, summary};
 /// within a second of the flight.
 pub(crate) fn run(args: &RunArgs, registry: &Registry, robots: Option<&dyn Robots>) -> anyhow::Result<Outcome> {
     let config = configuration(args, registry)?;
-    let robot = live::robot_of(args, config.sensor().odometry_topic())?;
-    let is_piped = args.input.recordings.input == [Path::new("-")];
-    let may_come_later = args.follow || is_piped || robot.is_some();
-    let settings = args.config.config.clone();
-    let read = if may_come_later { files_to_come(&args.input, settings)? } else { files_read(&args.input, settings)? };
+    let robot = live::robot_of(&args.input, &args.live, args.publish.as_ref(), &config)?;
+    if robot.is_some() && args.rate.is_some() {
+        return Err(UsageError("a live robot is followed at its own pace; leave out --rate".to_owned()).into());
+    }
+    let read = files_of(&args.input, &args.live, robot.as_ref(), args.config.config.clone())?;
     refuse_overwriting(args, &read)?;
     let stop = stop_on_interrupt()?; // before any file is opened, so that none is left half written
-    let silence = live::Silence::new();
-    let mut heard = None;
-    let mut flight = match &robot {
-        Some(robot) => {
-            let (feed, messages) = Feed::of_robot();
-            heard = Some(live::hear(robot, robots, feed)?);
-            let (stop, silence) = (stop.clone(), silence.clone());
-            let following = Following::until(move || {
-                silence.goes_on();
-                stop.is_set()
-            });
-            Flight::of_robot(robot, messages, &args.input, &config, &following)?
-        }
-        None if args.follow => Flight::follow(&args.input, &config, &until(&stop))?,
-        None if is_piped => Flight::of_standard_input(&args.input, &config, &until(&stop))?,
-        None => Flight::open(&args.input.recordings.input, &args.input, &config)?,
+    let coming = Coming::open(&args.input, &args.live, robot.as_ref(), &config, &stop, robots)?;
+    let (mut flight, heard, silence) = match coming {
+        Some(Coming { flight, robot, silence }) => (flight, robot, silence),
+        None => (Flight::open(&args.input.recordings.input, &args.input, &config)?, None, live::Silence::new()),
     };
     let is_stream = flight.is_stream();
     let mut diagnostics = Diagnostics::default();
@@ -57,7 +44,7 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry, robots: Option<&dyn Robot
     if diagnostics.outcome() != Outcome::Done && written.is_nothing() && observers.list.is_empty() {
         anyhow::bail!("no other output was requested");
     }
-    let sends = args.live.publish.is_some();
+    let sends = args.publish.is_some();
     let mut robot_answered = heard.map(|robot| live::Answered::new(robot, sends, config.sensor()));
     let is_numbered = robot.as_ref().is_none_or(|robot| robot.address.starts_with("zenoh"));
     let mut gaps = (!is_numbered).then(live::Gaps::default);
@@ -105,10 +92,6 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry, robots: Option<&dyn Robot
     if is_stream && robot.is_none() && stop.is_set() {
         diagnostics.interrupt(); // the recording ended because of that; a robot is heard until then
     }
-    if let Some(log) = &args.log {
-        let kept = Run::of("run", &read).append(log, "", &config, registry, summary::figures(&flown.summary));
-        diagnostics.lost_all(kept.err().map(|error| format!("{error:#}")));
-    }
     if !args.quiet && args.results.as_deref() != Some(Path::new("-")) {
         show(summary::tables(&flown.summary))?;
     }
@@ -120,18 +103,12 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry, robots: Option<&dyn Robot
 
 /// The configuration, with the odometry and the detail of a recording that were asked for.
 fn configuration(args: &RunArgs, registry: &Registry) -> Result<Config, UsageError> {
-    let odometry = args.live.odometry.iter().map(|topic| format!("ingest.odometry=\"{topic}\""));
-    args.config.resolve_with(odometry.chain(args.record.scope.setting()), registry)
-}
-
-fn until(stop: &StopFlag) -> Following {
-    let stop = stop.clone();
-    Following::until(move || stop.is_set())
+    args.config.resolve_with(args.live.setting().into_iter().chain(args.record.scope.setting()), registry)
 }
 
 /// Refuses outputs that would replace an input or each other.
 fn refuse_overwriting(args: &RunArgs, read: &[PathBuf]) -> Result<(), UsageError> {
-    let written = args.record.save.iter().chain(&args.results).chain(&args.map).chain(&args.log);
+    let written = args.record.save.iter().chain(&args.results).chain(&args.map);
     let written: Vec<&Path> = written.map(PathBuf::as_path).collect();
     outputs::refuse(&written, read)?;
     match &args.record.save {

@@ -1,6 +1,7 @@
 //! A flight on its way through the program, as every command flies it: opened, streamed through the stages, compared with
 //! its truth where it has one. What is missing and why it ended is reported in one way.
 
+mod coming;
 mod flight;
 mod inputs;
 mod judge;
@@ -16,10 +17,12 @@ use crosscut_pipeline::{End, StopFlag, StreamOptions, Summary, stream};
 use crosscut_stage::{Failure, FailureCause, Frame, Notes, Observer, Revolution, Source, SourceError, Step, counted};
 use indicatif::ProgressBar;
 
+pub(crate) use self::coming::{Coming, files_of};
 pub(crate) use self::flight::Flight;
+use self::inputs::files_to_come;
 #[cfg(feature = "rerun")]
 pub(crate) use self::inputs::refuse_empty_span;
-pub(crate) use self::inputs::{each_of, files_read, files_to_come, left_out_of_folders};
+pub(crate) use self::inputs::{each_of, files_read, left_out_of_folders};
 pub(crate) use self::judge::{Judge, Judged, TruthAt};
 use crate::diagnostics::Diagnostics;
 use crate::exit::is_closed_pipe;
@@ -58,14 +61,8 @@ pub(crate) fn fly(
     let options = StreamOptions { rate: how.rate, stop: how.stop.clone(), flight: how.has_poses };
     let mut source = Scans { flight: &mut flight, truths: &truths };
     let ran = stream(&mut source, config, how.registry, &mut results, observers, &options);
-    Ok(Flown {
-        summary: ran.context("a thread could not be started")?,
-        elapsed: start.elapsed(),
-        starts_at_s: flight.starts_at_s().unwrap_or(0.0),
-        losses: flight.losses(judge),
-        left_out: flight.left_out(),
-        returns,
-    })
+    let summary = ran.context("a thread could not be started")?;
+    Ok(Flown { elapsed: start.elapsed(), ..Flown::of(&flight, judge, summary, returns) })
 }
 
 /// The scans of a flight. Their truths wait for the answers, which come in the same order.
@@ -105,6 +102,25 @@ const NO_RETURN: &str =
     "no scan has a usable return: either nothing was in range, or the notes in the results give the reason";
 
 impl Flown {
+    /// Of a flight that was read, whose revolutions have so many returns.
+    pub(crate) fn of(flight: &Flight, judge: Judge, summary: Summary, returns: usize) -> Self {
+        Self {
+            summary,
+            elapsed: Duration::ZERO,
+            starts_at_s: flight.starts_at_s().unwrap_or(0.0),
+            losses: flight.losses(judge),
+            left_out: flight.left_out(),
+            returns,
+        }
+    }
+
+    /// With the losses of the same flight, read in another way.
+    pub(crate) fn with_losses_of(mut self, other: Self) -> Self {
+        self.losses.extend(other.losses);
+        self.left_out.extend(other.left_out);
+        self
+    }
+
     /// Whether it has no revolution.
     pub(crate) fn is_empty(&self) -> bool {
         self.summary.revolutions == 0

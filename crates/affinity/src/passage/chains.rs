@@ -18,14 +18,17 @@ const UNKNOWN_ODDS: f64 = 81.0;
 /// An opening that is surer than this leaves no smaller eigenvalue: it stays far above what rounding makes of a zero.
 const MOST_ODDS: f64 = 1e4;
 
+/// Each return has edges to this many of its chain on either side.
+const NEIGHBOURS: usize = 2;
+/// Entries of `Chains::weights` for one return.
+const WIDTH: usize = 2 * NEIGHBOURS + 1;
+
 /// Writes W; holds its buffers. Walls and islands are chains of returns.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Chains {
-    /// Each return has edges to this many of its chain on either side.
-    pub(super) neighbours: usize,
     /// The numbers of the returns of all chains, one chain after the other.
     numbers: Vec<u32>,
-    /// For each of those, the weights of its edges to the `neighbours` before it in its chain, to itself, and to those
+    /// For each of those, the weights of its edges to the [`NEIGHBOURS`] before it in its chain, to itself, and to those
     /// after it; 0 beyond the ends.
     weights: Vec<f64>,
     chains: Vec<Chain>,
@@ -51,20 +54,6 @@ struct Chain {
 }
 
 impl Chains {
-    pub(super) fn new(neighbours: usize) -> Self {
-        Self {
-            neighbours,
-            numbers: Vec::new(),
-            weights: Vec::new(),
-            chains: Vec::new(),
-            links: Vec::new(),
-            places: Vec::new(),
-            others: Vec::new(),
-            measures: Vec::new(),
-            row: Vec::new(),
-        }
-    }
-
     /// Writes W and the verdicts of `walls`, in the order in which they follow each other around the sensor, and of
     /// the islands of the scan. `left_over` are returns of no wall. An opening that could as well be none has an
     /// eigenvalue of `leak`.
@@ -134,21 +123,20 @@ impl Chains {
         };
         self.links.clear();
         self.links.extend((1..).zip(chain.windows(2)).map(link));
-        let (width, neighbours) = (self.width(), self.neighbours);
         let start = self.weights.len();
-        self.weights.resize(start + chain.len() * width, 0.0);
+        self.weights.resize(start + chain.len() * WIDTH, 0.0);
         let mut ahead_of_all = 0.0;
         for at in 0..chain.len() {
-            // From the return itself on: the next entries are those of its edges ahead, and `width - 1` farther each is
+            // From the return itself on: the next entries are those of its edges ahead, and `WIDTH - 1` farther each is
             // that of the same edge from its other end.
-            let row = &mut self.weights[start + at * width + neighbours..];
+            let row = &mut self.weights[start + at * WIDTH + NEIGHBOURS..];
             let (mut product, mut ahead) = (1.0, 0.0);
             row[0] = product;
-            for (step, link) in (1..=neighbours).zip(&self.links[at..]) {
+            for (step, link) in (1..=NEIGHBOURS).zip(&self.links[at..]) {
                 product *= link;
                 ahead += product;
                 row[step] = product;
-                row[step * (width - 1)] = product;
+                row[step * (WIDTH - 1)] = product;
             }
             ahead_of_all += ahead;
         }
@@ -196,11 +184,6 @@ impl Chains {
         }
     }
 
-    /// Entries of `weights` for one return.
-    fn width(&self) -> usize {
-        2 * self.neighbours + 1
-    }
-
     fn connect(&mut self, ring: &Ring, i: usize, j: usize, weight: f64) {
         let [i, j] = [i, j].map(|i| ring.returns[i].number);
         self.others.extend([(i, j, weight), (j, i, weight)]);
@@ -243,10 +226,10 @@ impl Chains {
     /// these edges.
     fn row_along<'a>(&'a self, number: &'a u32, place: Option<(u32, u32)>) -> (&'a [u32], &'a [f64]) {
         let Some((chain, at)) = place else { return (std::slice::from_ref(number), &[1.0]) };
-        let (chain, at, neighbours) = (&self.chains[chain as usize].places, at as usize, self.neighbours);
-        let first = at.saturating_sub(neighbours).max(chain.start);
-        let columns = &self.numbers[first..(at + neighbours + 1).min(chain.end)];
-        (columns, &self.weights[at * self.width() + neighbours - (at - first)..][..columns.len()])
+        let (chain, at) = (&self.chains[chain as usize].places, at as usize);
+        let first = at.saturating_sub(NEIGHBOURS).max(chain.start);
+        let columns = &self.numbers[first..(at + NEIGHBOURS + 1).min(chain.end)];
+        (columns, &self.weights[at * WIDTH + NEIGHBOURS - (at - first)..][..columns.len()])
     }
 }
 

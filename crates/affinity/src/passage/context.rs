@@ -1,21 +1,12 @@
-//! The scan that a gap is in, and the thresholds for its gaps.
+//! The scan that a gap is in, and the lengths by which it is divided.
 
 use crosscut_scan::{Lengths, LostBeams, Scan};
 
-/// The parameters of these names.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Thresholds {
-    pub(super) lengths: Lengths,
-    pub(super) straight_rad: f64,
-    pub(super) way_rad: f64,
-    pub(super) clear_share: f64,
-}
-
-/// A scan and the thresholds for its gaps.
+/// A scan and the lengths by which it is divided.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ScanContext<'s> {
     pub(super) scan: &'s Scan,
-    pub(super) thresholds: Thresholds,
+    pub(super) lengths: Lengths,
     /// The beams that are lost within walls.
     pub(super) lost: LostBeams,
 }
@@ -24,12 +15,12 @@ impl ScanContext<'_> {
     /// Whether two neighbouring returns are so far apart that a vehicle could pass between them.
     #[inline]
     pub(super) fn is_gap(&self, p: usize, q: usize) -> bool {
-        self.scan.ring.are_apart(p, q, self.thresholds.lengths.passage_m)
+        self.scan.ring.are_apart(p, q, self.lengths.passage_m)
     }
 
     /// The width of a passage: the width of the vehicle.
     pub(super) fn passage_m(&self) -> f64 {
-        self.thresholds.lengths.passage_m
+        self.lengths.passage_m
     }
 
     /// A length and a number of times the roughness of the walls: what bumps of smooth and of rough walls make

@@ -14,6 +14,10 @@ const DARK_BEAMS: u32 = 4;
 /// The beams into a dark gap that came back with nothing span more than this angle.
 const DARK_RAD: f64 = 3.5 * PI / 180.0;
 
+/// A wall that turns left by less at a gap goes on behind it. Branches turn by 54° and more.
+pub(super) const STRAIGHT_RAD: f64 = 36.0_f64.to_radians();
+/// A wall that turns left by more at a gap ends there, unless the gap is narrow. The corner of a dead end turns by 90°.
+pub(super) const WAY_RAD: f64 = 115.0_f64.to_radians();
 /// Walls that turn by less do not make a corner whose returns could be missing.
 pub(super) const CORNER_RAD: f64 = 75.0 * PI / 180.0;
 
@@ -34,7 +38,7 @@ const FACE_M: f64 = 0.3;
 /// Over the stretch of a face, the wall turns by at least this, whatever it does over longer ones.
 const FACE_RAD: f64 = 80.0 * PI / 180.0;
 
-/// A turn to the left by more than this is one to the right around a tip.
+/// Left turns beyond 270° are right turns around a tip.
 const MOST_LEFT_RAD: f64 = 1.5 * PI;
 /// A wall turns right by no more than this around a tip.
 const MOST_RIGHT_RAD: f64 = 1.15 * PI;
@@ -162,7 +166,7 @@ impl<'p> Gap<'p> {
 
     /// The wall turns as it does at a branch, neither straight on nor back.
     pub(super) fn turns_like_branch(&self) -> bool {
-        (self.context.thresholds.straight_rad..self.context.thresholds.way_rad).contains(&self.turns.whole_rad)
+        (STRAIGHT_RAD..WAY_RAD).contains(&self.turns.whole_rad)
     }
 
     /// The smallest step of a wall that closes the gap: the clear width or the depth, whichever is less.

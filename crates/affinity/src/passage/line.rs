@@ -3,7 +3,7 @@
 use crosscut_scan::turn_rad;
 use crosscut_stage::Measured;
 
-use super::gap::Gap;
+use super::gap::{Gap, STRAIGHT_RAD};
 
 /// The farther wall begins behind the line of the nearer one by at most this share of the angle at which that line is
 /// seen: a beam that passes the end of a wall continues behind its line at the whole angle.
@@ -24,7 +24,7 @@ impl Gap<'_> {
         goes_on.then(|| Measured::metres(next, self.chord_m(), "one is due within", self.reach_m()))
     }
 
-    /// Whether the farther wall begins about on the line of the nearer one: in front of it by less than `straight_deg`, or
+    /// Whether the farther wall begins about on the line of the nearer one: in front of it by less than [`STRAIGHT_RAD`], or
     /// behind it by less than [`BEHIND_LINE_SHARE`].
     fn is_on_line(&self) -> bool {
         let onward = self.nearer_onward();
@@ -32,7 +32,7 @@ impl Gap<'_> {
             if self.first_is_nearer { turn_rad(onward, self.chord) } else { turn_rad(self.chord, -onward) };
         let end_m = self.context.scan.ring.position_m(self.near_and_far_end()[0]);
         let seen_at_rad = turn_rad(onward, end_m).abs();
-        (-BEHIND_LINE_SHARE * seen_at_rad..self.context.thresholds.straight_rad).contains(&turned_rad)
+        (-BEHIND_LINE_SHARE * seen_at_rad..STRAIGHT_RAD).contains(&turned_rad)
     }
 
     /// How far from the nearer end its wall may go on until the next beam meets it. Past the inner wall of a bend, along whose

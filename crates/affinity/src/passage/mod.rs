@@ -15,58 +15,24 @@ mod terms;
 mod verdict;
 mod widths;
 
-use crosscut_scan::{Directions, LEAST_WALL_RETURNS, Lengths, LostBeams, Pieces, Scan};
+use crosscut_scan::{Directions, ISLAND_M, LEAST_WALL_RETURNS, Lengths, LostBeams, Pieces, Scan, VEHICLE_WIDTH_M};
+use crosscut_stage::NoteCode::{N060, N061};
 use crosscut_stage::{
-    Affinity, AffinityStage, Count, Flag, Invariance, Kind, Names, Notes, Number, Params, Revolution, StageError,
-    Storage, Verdict, counted,
+    Affinity, AffinityStage, Flag, Invariance, Kind, Names, Notes, Number, Params, Revolution, StageError, Verdict,
+    counted,
 };
 
 use chains::Chains;
-use context::{ScanContext, Thresholds};
+use context::ScanContext;
 use judge::{Judge, lost_beams};
 use verdict::Rules;
 
 pub use odds::{MEASURES, Measures};
 
-const PASSAGE_M: Number = Number::new("passage_m", "m", 0.6)
-    .above(0.0)
-    .to(100.0)
-    .follows("vehicle.width_m", 1.0)
-    .doc("vehicle.width_m unless it is set: neighbouring returns nearer to each other are of one wall; returns within half of it of the sensor are of the vehicle, unless a wall continues on both sides");
-
-const STRETCH_M: Number = Number::new("stretch_m", "m", 0.85)
-    .above(0.0)
-    .to(100.0)
-    .doc("length of wall over which the direction of its end is taken");
-
-const STRAIGHT_DEG: Number = Number::new("straight_deg", "°", 36.0)
-    .from(0.0)
-    .to(180.0)
-    .doc("a wall that turns left by less at a gap goes on behind it; branches turn it by 54° and more");
-
-const WAY_DEG: Number = Number::new("way_deg", "°", 115.0).from(0.0).to(360.0).doc(
-    "a wall that turns left by more at a gap ends there, unless the gap is narrow; the corner of a dead end is 90°",
-);
-
-const CLEAR_SHARE: Number = Number::new("clear_share", "", 1.15)
-    .from(0.0)
-    .to(100.0)
-    .doc("at turns from straight_deg to way_deg a wall ends if the gap's clear width is at least this share of the median range");
-
-const ISLAND_M: Number = Number::new("island_m", "m", 2.0)
-    .from(0.0)
-    .to(100.0)
-    .doc("a piece no longer than this that stands in front of what is on both sides of it is cut off; 0: none is");
-
-const WALL_DEG: Number = Number::new("wall_deg", "°", 3.0)
-    .from(0.0)
-    .to(90.0)
-    .doc("a piece with fewer returns than there are beams in this angle, or than three, is no wall");
-
-const NEIGHBOURS: Count = Count::new("neighbours", "returns", 2)
-    .from(1)
-    .to(1000)
-    .doc("each return has edges to this many returns of its wall on either side");
+/// Length of wall over which the direction of its end is taken.
+const STRETCH_M: f64 = 0.85;
+/// A piece with fewer returns than there are beams in this angle is no wall.
+const WALL_RAD: f64 = 3.0_f64.to_radians();
 
 const LEAK: Number = Number::new("leak", "", 1e-8).from(0.0).to(1.0).doc(
     "a weak edge over each opening makes an eigenvalue of leak/2 divided by the odds that a vehicle can pass; the zero tolerance follows it; 0: no such edges",
@@ -86,20 +52,12 @@ pub const KIND: Kind<dyn AffinityStage> = Kind::affinity(
     |params| Box::new(Passage::new(params)),
 )
 .params(&[
-    PASSAGE_M.spec,
-    STRETCH_M.spec,
-    STRAIGHT_DEG.spec,
-    WAY_DEG.spec,
-    CLEAR_SHARE.spec,
-    ISLAND_M.spec,
-    WALL_DEG.spec,
-    NEIGHBOURS.spec,
+    VEHICLE_WIDTH_M.shared("vehicle.width_m"),
+    ISLAND_M.shared("report.island_m"),
     LEAK.spec,
     WITHOUT.spec,
     WIDTHS.spec,
 ])
-// On average one more edge to and from a return that is left over.
-.storage(Storage::Sparse(|params, _| 2 * params.get(NEIGHBOURS) + 3))
 .needs_beams()
 // It sees ranges, and the order of the beams.
 .blind_to(&[Invariance::Turn, Invariance::Mirror]);
@@ -107,7 +65,7 @@ pub const KIND: Kind<dyn AffinityStage> = Kind::affinity(
 /// The graph of the walls. Anticlockwise around the sensor:
 ///
 /// 1. [`Scan`] makes the geometry: dust, mixed returns beside pillars and the vehicle's own returns are left out, the
-///    ring of the others is cut where two neighbours are `passage_m` apart, and islands are taken out.
+///    ring of the others is cut where two neighbours are a vehicle's width apart, and islands are taken out.
 /// 2. `Gap` measures each gap between two pieces: how much the wall turns, the clear width, the depth, what is dark.
 ///    With the directions t and t' of the two ends and the chord c between them, the wall turns by T = ∠(t, c) + ∠(c,
 ///    t').
@@ -120,13 +78,12 @@ pub const KIND: Kind<dyn AffinityStage> = Kind::affinity(
 ///    it, and what is too small for a wall is joined again. What is left over goes to the nearer of the walls beside
 ///    it.
 /// 5. Each wall and each island becomes a chain (`chains.rs`): W_ij = Π exp(-c_g) over the gaps g between i and j,
-///    which were joined at cost c_g, for the `neighbours` returns on either side of i. These weights do not fall with
+///    which were joined at cost c_g, for the two returns on either side of i. These weights do not fall with
 ///    the spacing of returns, so the second eigenvalue of a wall's block does not either. From wall to wall there is
 ///    one weak edge over each opening. Its eigenvalue is half of `leak`, divided by the odds (`odds.rs`) that a vehicle can pass.
 struct Passage {
-    thresholds: Thresholds,
+    lengths: Lengths,
     rules: Rules,
-    wall_rad: f64,
     leak: f64,
     tells_widths: bool,
     chains: Chains,
@@ -137,24 +94,14 @@ struct Passage {
 
 impl Passage {
     fn new(params: &Params) -> Self {
-        let lengths = Lengths {
-            passage_m: params.get(PASSAGE_M),
-            island_m: params.get(ISLAND_M),
-            stretch_m: params.get(STRETCH_M),
-        };
-        let thresholds = Thresholds {
-            lengths,
-            straight_rad: params.get(STRAIGHT_DEG).to_radians(),
-            way_rad: params.get(WAY_DEG).to_radians(),
-            clear_share: params.get(CLEAR_SHARE),
-        };
+        let lengths =
+            Lengths { passage_m: params.get(VEHICLE_WIDTH_M), island_m: params.get(ISLAND_M), stretch_m: STRETCH_M };
         Self {
-            thresholds,
+            lengths,
             rules: Rules::without(&params.get(WITHOUT)),
-            wall_rad: params.get(WALL_DEG).to_radians(),
             leak: params.get(LEAK),
             tells_widths: params.get(WIDTHS),
-            chains: Chains::new(params.get(NEIGHBOURS)),
+            chains: Chains::default(),
             scan: Scan::default(),
             directions: Directions::default(),
             walls: Pieces::default(),
@@ -164,14 +111,14 @@ impl Passage {
     /// The widths of the vehicle, about its own one, for which there are as many walls. There are as many islands, too: the
     /// report counts an island that it does not take for one as a wall.
     fn count_holds_m(&mut self, revolution: &Revolution) -> Option<[f64; 2]> {
-        let (width_m, mut other) = (self.thresholds.lengths.passage_m, Affinity::default());
+        let (width_m, mut other) = (self.lengths.passage_m, Affinity::default());
         let mut count_at = |width_m: f64| {
-            self.thresholds.lengths.passage_m = width_m;
+            self.lengths.passage_m = width_m;
             let done = self.write_walls(revolution, &mut other, &mut Notes::default());
             done.is_ok().then_some([self.walls.len(), self.scan.islands.pieces.len()])
         };
         let holds_m = count_at(width_m).map(|count| widths::hold_m(width_m, |m| count_at(m) == Some(count)));
-        self.thresholds.lengths.passage_m = width_m;
+        self.lengths.passage_m = width_m;
         holds_m
     }
 
@@ -183,25 +130,26 @@ impl Passage {
         notes: &mut Notes,
     ) -> Result<(), StageError> {
         let Some(sweep) = revolution.beams() else { return Err(StageError::without_beams("passage")) };
-        let Self { thresholds, rules, scan, directions, walls, .. } = self;
-        let lengths = &thresholds.lengths;
+        let Self { lengths, rules, scan, directions, walls, .. } = self;
         scan.make(sweep, &revolution.points_m, lengths)?;
         if scan.dust_returns > 0 {
             let dust_returns = counted(scan.dust_returns as u64, "return");
-            notes.add(format!("passage: {dust_returns} in the air (dust, edges of pillars) ignored"));
+            notes.add(N060, format!("passage: {dust_returns} in the air (dust, edges of pillars) ignored"));
         }
         if scan.self_returns > 0 {
             let (inside, inside_m) = (counted(scan.self_returns as u64, "return"), lengths.passage_m / 2.0);
-            notes.add(format!(
-                "passage: {inside} within the vehicle, nearer than {inside_m} m (half of affinity.passage_m, which is \
-                 vehicle.width_m unless it is set), ignored"
-            ));
+            notes.add(
+                N061,
+                format!(
+                    "passage: {inside} within the vehicle, nearer than {inside_m} m (half of vehicle.width_m), ignored"
+                ),
+            );
         }
 
         // A step of 0 gives an infinite number: then no piece is a wall.
-        let least_returns = ((self.wall_rad / scan.ring.step_rad).round() as usize).max(LEAST_WALL_RETURNS);
+        let least_returns = ((WALL_RAD / scan.ring.step_rad).round() as usize).max(LEAST_WALL_RETURNS);
         directions.start(&scan.ring, &scan.roughness, lengths.stretch_m);
-        let mut context = ScanContext { scan, thresholds: *thresholds, lost: LostBeams::default() };
+        let mut context = ScanContext { scan, lengths: *lengths, lost: LostBeams::default() };
         context.lost = lost_beams(&context, directions);
         let mut judge = Judge::new(&context, *rules, directions);
         walls.clone_from(&scan.pieces);

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use crosscut_scan::{Doorway, beyond};
 use crosscut_stage::Measured;
 
-use super::gap::Gap;
+use super::gap::{Gap, STRAIGHT_RAD};
 
 /// What is seen across the line of the nearer wall at more than this angle, is seen through a mouth.
 const MOUTH_RAD: f64 = 50.0 * PI / 180.0;
@@ -29,7 +29,7 @@ const SLIT_RETURNS: u32 = 2;
 /// other side of the place, which meets the nearer wall in a corner. Behind a doorway neither can be.
 pub(super) fn room_behind_mouth(gap: &Gap<'_>) -> Option<Measured> {
     let (context, deep_m) = (gap.context, gap.step_m());
-    if gap.is_shaded || gap.turns.whole_rad >= context.thresholds.straight_rad || deep_m < context.passage_m() {
+    if gap.is_shaded || gap.turns.whole_rad >= STRAIGHT_RAD || deep_m < context.passage_m() {
         return None;
     }
     let turns_back = gap.turns.whole_rad < -FRAC_PI_2;

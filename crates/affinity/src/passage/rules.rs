@@ -4,8 +4,10 @@ use std::f64::consts::PI;
 
 use crosscut_stage::Measured;
 
-use super::gap::{CORNER_RAD, Gap};
+use super::gap::{CORNER_RAD, Gap, STRAIGHT_RAD, WAY_RAD};
 
+/// An opening where a wall turns like a branch is at least this share of the place's size wide.
+const CLEAR_SHARE: f64 = 1.15;
 /// An opening between two walls that recede is at least this share of the place's size wide.
 const OPENING_SHARE: f64 = 0.3;
 /// An opening in the shadow of islands, where nothing is known, is at least this share of the place's size wide.
@@ -42,10 +44,10 @@ impl Gap<'_> {
     /// How wide an opening is at least, as a share of the place's size, where the wall turns like this; `None` where the
     /// wall continues whatever the width is.
     pub(super) fn opening_share(&self) -> Option<f64> {
-        if self.turns.whole_rad >= self.context.thresholds.way_rad {
+        if self.turns.whole_rad >= WAY_RAD {
             return Some(OPENING_SHARE);
         }
-        let turned = if self.is_shaded { SHADE_SHARE } else { self.context.thresholds.clear_share };
+        let turned = if self.is_shaded { SHADE_SHARE } else { CLEAR_SHARE };
         self.dark_opening_share().or(self.turns_like_branch().then_some(turned))
     }
 }
@@ -103,11 +105,11 @@ pub(super) fn room_behind_wall_in_front(gap: &Gap<'_>) -> Option<Measured> {
 /// Hardly a beam looks into the gap, so that its width is plain to see.
 pub(super) fn room_in_plain_sight(gap: &Gap<'_>) -> Option<Measured> {
     let (context, turn_rad) = (gap.context, gap.turns.whole_rad);
-    let turns_enough = (PLAIN_RAD..context.thresholds.way_rad).contains(&turn_rad);
+    let turns_enough = (PLAIN_RAD..WAY_RAD).contains(&turn_rad);
     if !turns_enough || !gap.is_clear() || !gap.holds_one_beam_at_most() {
         return None;
     }
-    let needed_m = if turn_rad < context.thresholds.straight_rad {
+    let needed_m = if turn_rad < STRAIGHT_RAD {
         context.with_bumps_m(context.passage_m(), PLAIN_STRAIGHT_BUMPS).min(PLAIN_STRAIGHT_SHARE * context.scan.size_m)
     } else {
         context.with_bumps_m(context.passage_m(), PLAIN_BUMPS)

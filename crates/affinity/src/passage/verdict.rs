@@ -3,7 +3,7 @@
 use crosscut_stage::Measured;
 
 use super::decision::Decision;
-use super::gap::Gap;
+use super::gap::{Gap, STRAIGHT_RAD};
 use super::odds::{self, Measures};
 use super::{dark, mouth, rules};
 
@@ -184,7 +184,7 @@ fn without_room(gap: &Gap<'_>) -> Decision {
         what: if turn_rad < 0.0 { "the wall turns back by" } else { "the wall turns away by" },
         value: turn_rad.abs().to_degrees(),
         against: "where it ends it turns away by at least",
-        limit: gap.context.thresholds.straight_rad.to_degrees(),
+        limit: STRAIGHT_RAD.to_degrees(),
         unit: "°",
     };
     Decision::no_room("the wall turns too little", Some(turn))

@@ -29,6 +29,8 @@ pub enum ConfigError {
     UnknownKind { layer: String, section: &'static str, kind: String, nearest: String },
     #[error("{layer}: {section} has no {key}; {nearest}")]
     UnknownKey { layer: String, section: String, key: String, nearest: String },
+    #[error("{layer}: {setting} is no setting any more: {now}")]
+    Retired { layer: String, setting: String, now: &'static str },
     #[error("{layer}: {section}.{error}")]
     BadValue { layer: String, section: &'static str, error: ParamError },
     #[error(

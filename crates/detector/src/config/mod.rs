@@ -7,6 +7,7 @@ mod error;
 mod layer;
 mod print;
 mod resolve;
+mod retired;
 mod schema;
 
 pub use error::{ConfigError, nearest_and_all};

@@ -15,13 +15,12 @@ impl fmt::Display for Config {
                 writeln!(f, "# {}", kind.doc)?;
                 writeln!(f, "kind = {:?}  # {}", kind.name, kind.set_by)?;
             }
-            let values = section.params.iter().zip(&section.set_by);
-            for (spec, ((name, value), set_by)) in section.specs.iter().zip(values) {
+            for (spec, value, set_by) in section.own() {
                 let unit = if spec.unit.is_empty() { String::new() } else { format!(" [{}]", spec.unit) };
                 writeln!(f, "# {}{unit}: {}", spec.doc, spec.expected())?;
                 // What follows another parameter does so in the file as well, until it is set there.
                 let comment = if matches!(set_by, SetBy::Parameter(_)) { "# " } else { "" };
-                writeln!(f, "{comment}{name} = {value}  # {set_by}")?;
+                writeln!(f, "{comment}{} = {value}  # {set_by}", spec.name)?;
             }
         }
         Ok(())

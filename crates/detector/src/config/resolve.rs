@@ -7,6 +7,7 @@ use crosscut_stage::{Kind, ParamErrorKind, ParamSpec, Params, StageKind, Value};
 
 use super::error::{ConfigError, nearest, nearest_and_all};
 use super::layer::{Layer, Preset};
+use super::retired::RETIRED;
 use super::schema::{Body, Choice, IN_FLIGHT, Section, WORKERS, sections};
 use crate::Registry;
 
@@ -87,23 +88,23 @@ impl Config {
         for (section, followed) in self.sections.iter_mut().zip(followed) {
             for (place, value) in followed.into_iter().enumerate() {
                 let spec = &section.specs[place];
-                if let (Some(value), Some(follows)) = (value, spec.follows)
+                if let (Some(value), Some(parameter)) = (value, spec.follows)
                     && section.params.set(spec.name, value).is_ok()
                 {
-                    section.set_by[place] = SetBy::Parameter(follows.parameter);
+                    section.set_by[place] = SetBy::Parameter(parameter);
                 }
             }
         }
     }
 
-    /// The values that the parameters of a section have from others, if they follow any that is there and not 0.
+    /// The values that the parameters of a section have from others, if they follow any that is there and not 0, or share it.
     fn followed(&self, section: &Resolved) -> Vec<Option<Value>> {
         let followed = |(spec, set_by): (&ParamSpec, &SetBy)| {
             let follows = spec.follows.filter(|_| *set_by == SetBy::Default)?;
-            let (other, name) = follows.parameter.split_once('.')?;
+            let (other, name) = follows.split_once('.')?;
             let other = self.sections.iter().find(|section| section.name == other)?;
             match other.params.value(name)? {
-                Value::Number(x) if *x != 0.0 => Some(Value::Number(follows.times * x)),
+                Value::Number(x) if *x != 0.0 || spec.shared => Some(Value::Number(*x)),
                 _ => None,
             }
         };
@@ -148,7 +149,7 @@ impl Config {
         self.sections.iter().flat_map(|section| {
             let setting = |key: &str, value: String| (format!("{}.{key}", section.name), value);
             let kind = section.kind.as_ref().map(|kind| setting("kind", format!("{:?}", kind.name)));
-            kind.into_iter().chain(section.params.iter().map(move |(key, value)| setting(key, value.to_string())))
+            kind.into_iter().chain(section.own().map(move |(spec, value, _)| setting(spec.name, value.to_string())))
         })
     }
 
@@ -160,8 +161,7 @@ impl Config {
                 layer(set_by).map(|layer| [format!("{}.{key}", section.name), value, layer])
             };
             let kind = section.kind.as_ref().and_then(|kind| set("kind", format!("{:?}", kind.name), &kind.set_by));
-            let params = section.params.iter().zip(&section.set_by);
-            let params = params.filter_map(|((key, value), set_by)| set(key, value.to_string(), set_by));
+            let params = section.own().filter_map(|(spec, value, set_by)| set(spec.name, value.to_string(), set_by));
             kind.into_iter().chain(params).collect::<Vec<_>>()
         };
         self.sections.iter().flat_map(of_section).collect()
@@ -170,10 +170,8 @@ impl Config {
     /// The settings of a section that are not the defaults, as `section.key=value`.
     pub fn changed(&self, section: &str) -> Vec<String> {
         let section = self.section(section);
-        let defaults = Params::defaults(section.specs);
-        let values = section.params.iter().zip(defaults.iter());
-        let changed = values.filter(|((_, value), (_, default))| value != default);
-        changed.map(|((key, value), _)| format!("{}.{key}={value}", section.name)).collect()
+        let changed = section.own().filter(|(spec, value, _)| **value != spec.default_value());
+        changed.map(|(spec, value, _)| format!("{}.{}={value}", section.name, spec.name)).collect()
     }
 
     /// How many lanes to run: not more than there are frames for.
@@ -284,6 +282,12 @@ impl Resolved {
         }
     }
 
+    /// The parameters that are set here, with their values and what set them.
+    pub(super) fn own(&self) -> impl Iterator<Item = (&'static ParamSpec, &Value, &SetBy)> {
+        let all = self.specs.iter().zip(self.params.iter()).zip(&self.set_by);
+        all.filter(|((spec, _), _)| !spec.shared).map(|((spec, (_, value)), set_by)| (spec, value, set_by))
+    }
+
     /// Takes another kind, with its defaults. The kind that is chosen already keeps its values.
     fn choose(&mut self, choices: &[Choice], wanted: &toml::Value, layer: &Layer) -> Result<(), ConfigError> {
         let name = wanted.as_str().unwrap_or_default();
@@ -311,7 +315,7 @@ impl Resolved {
     }
 
     fn set(&mut self, section: &Section, key: &str, value: &toml::Value, layer: &Layer) -> Result<(), ConfigError> {
-        let place = self.specs.iter().position(|spec| spec.name == key);
+        let place = self.specs.iter().position(|spec| spec.name == key && !spec.shared);
         let place = place.ok_or_else(|| self.unknown_key(section, key, layer))?;
         let spec = &self.specs[place];
         let refused = |error| ConfigError::BadValue { layer: layer.name.clone(), section: self.name, error };
@@ -323,6 +327,10 @@ impl Resolved {
     }
 
     fn unknown_key(&self, section: &Section, key: &str, layer: &Layer) -> ConfigError {
+        let setting = format!("{}.{key}", self.name);
+        if let Some((_, now)) = RETIRED.iter().find(|(retired, _)| *retired == setting) {
+            return ConfigError::Retired { layer: layer.name.clone(), setting, now };
+        }
         let owner = match &section.body {
             Body::Kinds(choices) => choices.iter().find(|choice| choice.params.iter().any(|spec| spec.name == key)),
             Body::Fixed(_) => None,
@@ -336,7 +344,7 @@ impl Resolved {
             }
             None => {
                 let kind = self.kind.as_ref().map(|_| "kind");
-                nearest(key, kind.into_iter().chain(self.specs.iter().map(|spec| spec.name)))
+                nearest(key, kind.into_iter().chain(self.own().map(|(spec, ..)| spec.name)))
             }
         };
         let kind = self.kind.as_ref().map_or_else(String::new, |kind| format!(" of kind {:?}", kind.name));

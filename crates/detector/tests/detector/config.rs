@@ -56,19 +56,31 @@ fn later_layers_win_and_the_printout_says_who_set_what() {
 }
 
 #[test]
-fn the_affinity_is_of_the_vehicle_that_is_set_unless_it_is_set_itself() {
-    let passage = |settings: &[&str]| {
-        let settings: Vec<_> = settings.iter().map(ToString::to_string).collect();
-        let layers = [Preset::Default.into(), Layer::settings("--set", &settings).expect("settings")];
-        let config = Config::resolve(&Registry::standard(), &layers).expect("allowed");
+fn the_affinity_is_of_the_vehicle_and_its_islands_are_those_of_the_report() {
+    let registry = Registry::standard();
+    for preset in [Preset::Default, Preset::ClearWidth] {
+        let settings = ["vehicle.width_m=2".to_owned(), "report.island_m=0".to_owned()];
+        let layers = [preset.into(), Layer::settings("--set", &settings).expect("settings")];
+        let config = Config::resolve(&registry, &layers).expect("allowed");
+        assert_eq!((number(&config, "affinity.width_m"), number(&config, "affinity.island_m")), (2.0, 0.0));
         let text = config.to_string();
-        text.lines().find(|line| line.contains("passage_m = ")).expect("a passage").to_owned()
-    };
-    assert_eq!(passage(&[]), "# passage_m = 0.6  # follows vehicle.width_m");
-    assert_eq!(passage(&["vehicle.width_m=2"]), "# passage_m = 2.0  # follows vehicle.width_m");
-    assert_eq!(passage(&["vehicle.width_m=2", "affinity.passage_m=1"]), "passage_m = 1.0  # --set");
-    let paper = resolve("", &["vehicle.width_m=2"]).expect("a kind without it is left alone");
-    assert!(!paper.to_string().contains("passage_m"));
+        assert_eq!((text.matches("\nwidth_m = ").count(), text.matches("\nisland_m = ").count()), (1, 1), "{text}");
+        assert!(config.changed("affinity").is_empty());
+    }
+    assert!(
+        refused("", &["affinity.kind=passage", "affinity.width_m=1"])
+            .contains("affinity of kind \"passage\" has no width_m")
+    );
+}
+
+#[test]
+fn a_setting_of_an_earlier_version_is_refused_with_what_holds_now() {
+    assert_eq!(
+        refused("[affinity]\nkind = \"passage\"\npassage_m = 1", &[]),
+        "mine.toml: affinity.passage_m is no setting any more: use vehicle.width_m"
+    );
+    let fixed = refused("", &["affinity.stretch_m=1"]);
+    assert_eq!(fixed, "--set: affinity.stretch_m is no setting any more: it is 0.85 m, fixed");
 }
 
 #[test]
@@ -82,8 +94,6 @@ fn a_solver_put_in_place_of_another_takes_the_leak_for_its_tolerance() {
         let text = printed(&[&format!("spectral.kind={kind}"), "affinity.leak=1e-9"]);
         assert!(text.contains("# zero_tolerance = 1e-9  # follows affinity.leak"), "{text}");
     }
-    let union_find = printed(&["spectral.kind=components", "affinity.leak=1e-9"]);
-    assert!(union_find.contains("# least_weight = 1e-5  # follows affinity.leak"), "{union_find}");
     let set = printed(&["spectral.zero_tolerance=1e-6"]);
     assert!(set.contains("zero_tolerance = 1e-6  # --set"), "{set}");
     for none in ["affinity.leak=0", "affinity.kind=rbf"] {
@@ -92,14 +102,14 @@ fn a_solver_put_in_place_of_another_takes_the_leak_for_its_tolerance() {
 }
 
 #[test]
-fn a_printed_file_does_not_untie_the_affinity_from_the_vehicle() {
+fn a_printed_file_does_not_untie_the_solver_from_the_affinity() {
     let registry = Registry::standard();
     let printed = Config::preset(Preset::Default, &registry).expect("a preset").to_string();
-    let wider = printed.replace("width_m = 0.6  # default", "width_m = 1.2");
-    assert_ne!(wider, printed);
-    let layers = [Layer::file(Path::new("wider.toml"), &wider).expect("TOML")];
+    let changed = printed.replace("leak = 1e-8  # default", "leak = 1e-9");
+    assert_ne!(changed, printed);
+    let layers = [Layer::file(Path::new("changed.toml"), &changed).expect("TOML")];
     let config = Config::resolve(&registry, &layers).expect("allowed");
-    assert_eq!(number(&config, "affinity.passage_m"), 1.2);
+    assert_eq!(number(&config, "spectral.zero_tolerance"), 1e-9);
 }
 
 #[test]

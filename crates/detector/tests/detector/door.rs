@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crosscut_detector::{ConfigError, Detector, LaserScan, Preset, Registry};
+use crosscut_stage::NoteCode::N101;
 use crosscut_stage::{Affinity, AffinityStage, Notes, Revolution, StageError, Step};
 
 /// Every return on its own, or an error for as many returns as are in `refused`; counts its scans.
@@ -18,7 +19,7 @@ impl AffinityStage for Alone {
         if revolution.len() == self.refused {
             return Err(StageError::Unsupported("refused".to_owned()));
         }
-        notes.add("each on its own");
+        notes.add(N101, "each on its own");
         let w = out.weights.make_sparse();
         (0..revolution.len() as u32).for_each(|i| w.push_row(&[i], &[1.0]));
         Ok(())

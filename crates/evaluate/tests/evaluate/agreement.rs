@@ -68,6 +68,7 @@ fn a_stretch_ends_where_the_answers_or_counts_change() {
         differences.add(&agreement(seq, first, second));
     }
     let stretch = |from: u64, to: u64, junctions| Stretch {
+        flight: "tee".to_owned(),
         seq: [from, to],
         stamp_ns: [100 * from, 100 * to],
         revolutions: to - from + 1,
@@ -75,7 +76,9 @@ fn a_stretch_ends_where_the_answers_or_counts_change() {
         confidence: [answer(&one, &[]).confidence; 2],
     };
     let expected = [stretch(1, 2, [1, 2]), stretch(3, 3, [1, 3]), stretch(5, 5, [1, 3]), stretch(6, 6, [2, 2])];
-    assert_eq!(differences.stretches, expected);
+    let mut all = Differences::default();
+    all.merge(differences.clone(), "tee");
+    assert_eq!(all.stretches, expected);
     assert_eq!(
         (differences.same_count, differences.same_walls),
         (Proportion { hits: 3, of: 7 }, Proportion { hits: 2, of: 7 })

@@ -1,7 +1,8 @@
 //! Truths and answers made from labels.
 
 use crosscut_messages::Truth;
-use crosscut_report::{ResultsLine, WallLine};
+use crosscut_report::ResultsLine;
+use crosscut_stage::{KnownGaps, Wall};
 
 /// A truth with these labels; its first `islands` walls are islands.
 pub(crate) fn truth(labels: &[i32], islands: u32) -> Truth {
@@ -18,11 +19,11 @@ pub(crate) fn answer(labels: &[i32], islands: &[u32]) -> ResultsLine {
         .iter()
         .map(|&id| {
             let (id, returns) = (id as u32, labels.iter().filter(|&&label| label == id).count());
-            WallLine { id, returns, bearing_rad: [0.0; 2], island: islands.contains(&id) }
+            Wall { id, returns, bearing_rad: [0.0; 2], island: islands.contains(&id) }
         })
         .collect();
     ResultsLine {
-        gaps: crosscut_report::GapsLine::default(),
+        gaps: KnownGaps::default(),
         holds_for_width_m: None,
         seq: 0,
         stamp_ns: 0,

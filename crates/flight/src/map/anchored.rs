@@ -23,12 +23,12 @@ impl Anchored {
 impl Mapper {
     /// Where the visits were, by what is known now, in the map's frame.
     pub fn poses(&self) -> &[Isometry2<f64>] {
-        &self.graph.poses
+        &self.draft.graph.poses
     }
 
     /// A pose as it is tracked since the latest visit that has ended, relative to this visit.
     pub fn anchored(&self, tracked: Isometry2<f64>) -> Anchored {
-        match &self.last {
+        match &self.draft.last {
             Some(last) => Anchored { visit: Some(last.visit), pose: last.tracked.inv_mul(&tracked) },
             None => Anchored { visit: None, pose: tracked },
         }
@@ -36,6 +36,6 @@ impl Mapper {
 
     /// Where an anchored place lies by what is known now.
     pub fn placed(&self, anchored: &Anchored) -> Isometry2<f64> {
-        anchored.placed(&self.graph.poses)
+        anchored.placed(&self.draft.graph.poses)
     }
 }

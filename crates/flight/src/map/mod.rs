@@ -1,8 +1,10 @@
 //! The map of a flight: junctions and dead ends, and the passages between them.
 
-mod agreed;
 mod anchored;
-mod flown;
+mod candidate;
+mod draft;
+mod drawing;
+mod legs;
 mod mapper;
 mod no_place;
 mod nodes;
@@ -10,24 +12,23 @@ mod outline;
 mod passages;
 mod passed;
 mod recognise;
-mod seen;
 mod stay;
+mod stretch;
 mod travelled;
 mod visit;
 
-use std::collections::BTreeMap;
-
-use crosscut_stage::{counted, junction_of};
+use crosscut_stage::{DisjointSets, counted, junction_of};
 use nalgebra::Point2;
+use serde::Serialize;
 
 use crate::HereKind;
 
 pub use anchored::Anchored;
+pub use drawing::MapDrawing;
 pub use mapper::{Located, Mapper};
 pub use no_place::NoPlace;
 pub use outline::Fit;
 pub(crate) use outline::Walls;
-pub use seen::Seen;
 
 /// Junctions and dead ends of a flight, and the passages that were flown between them. Positions and bearings are in the
 /// frame of the flight's first pose.
@@ -38,9 +39,9 @@ pub struct Map {
     /// Passages, by number.
     pub passages: Vec<Passage>,
     /// Visits that were taken to be to a node seen before, in order.
-    pub merges: Vec<Merge>,
+    pub merges: Vec<Decided>,
     /// Visits that look like a node seen before and were not taken to be to it, in order.
-    pub refusals: Vec<Refusal>,
+    pub refusals: Vec<Decided>,
 }
 
 /// A junction or a dead end.
@@ -57,7 +58,7 @@ pub struct Node {
 }
 
 /// A way of a node.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct NodeWay {
     /// Its direction.
     pub bearing_rad: f64,
@@ -65,7 +66,8 @@ pub struct NodeWay {
     pub width_m: f64,
     /// The vehicle came or left by it.
     pub taken: bool,
-    /// Number of the passage that it leads to, if that was flown from end to end.
+    /// Number of the passage that the way leads to, if that passage was flown from end to end.
+    #[serde(rename = "edge")]
     pub passage: Option<usize>,
 }
 
@@ -88,25 +90,11 @@ pub struct Passage {
     pub via_m: Vec<Point2<f64>>,
 }
 
-/// A visit that was taken to be to a node seen before.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Merge {
-    /// The node.
-    pub node: usize,
-    /// Stamp at the end of the visit.
-    pub at_ns: u64,
-    /// Share of the walls seen that lie on those of the node, 0 to 1.
-    pub score: f64,
-    /// Share of the walls seen that lie on those of the second likeliest place, if there is any.
-    pub runner_up: Option<f64>,
-    /// Why, in words.
-    pub why: String,
-}
-
-/// A visit that looks like one to a node seen before, and was taken to be to a new one.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Refusal {
-    /// The likeliest node.
+/// A decision whether a visit was to a node seen before.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Decided {
+    /// The likeliest node. The visit is one to this node if the decision stands among [`Map::merges`], and was to a new node if
+    /// it stands among [`Map::refusals`].
     pub node: usize,
     /// Stamp at the end of the visit.
     pub at_ns: u64,
@@ -120,23 +108,15 @@ pub struct Refusal {
 
 /// How many loops passages between these pairs of nodes close: passages less nodes, plus parts that are not connected.
 pub fn loops_in(passages: impl IntoIterator<Item = [usize; 2]>) -> usize {
-    let mut parents: BTreeMap<usize, usize> = BTreeMap::new();
-    let root = |parents: &BTreeMap<usize, usize>, mut node: usize| {
-        while let Some(&parent) = parents.get(&node) {
-            node = parent;
-        }
-        node
+    let passages: Vec<[usize; 2]> = passages.into_iter().collect();
+    let mut sets = DisjointSets::default();
+    sets.reset(passages.iter().flatten().max().map_or(0, |last| last + 1));
+    let mut closes = |[from, to]: &[usize; 2]| {
+        let is_closed = sets.root(*from) == sets.root(*to);
+        sets.join(*from, *to);
+        is_closed
     };
-    let mut loops = 0;
-    for ends in passages {
-        let [from, to] = ends.map(|node| root(&parents, node));
-        if from == to {
-            loops += 1;
-        } else {
-            parents.insert(from, to);
-        }
-    }
-    loops
+    passages.iter().filter(|ends| closes(ends)).count()
 }
 
 impl Map {

@@ -7,13 +7,15 @@ use std::sync::Arc;
 use crosscut_stage::wrap_angle_rad;
 use nalgebra::Point2;
 
-use super::flown::Flown;
-use super::mapper::{Place, information, nearest_way};
+use super::candidate::Candidate;
+use super::draft::{Draft, NodeMemory, nearest_way};
+use super::legs::{Leg, flown_to};
 use super::outline::{Fit, Walls};
-use super::recognise::{Candidate, LEAST_LEAD, LEAST_SHARE};
-use super::visit::Visit;
-use super::{Mapper, Merge, Node, NodeWay};
-use crate::{Edge, HereKind, Way};
+use super::recognise::{LEAST_LEAD, LEAST_SHARE};
+use super::visit::{FLOWN_WAY_RAD, Visit};
+use super::{Decided, Node, NodeWay};
+use crate::pose_graph::information;
+use crate::{Constraint, HereKind, Way};
 
 /// Once the drift is corrected, two nodes nearer than this may be one.
 const RECONSIDERED_M: f64 = 4.0;
@@ -21,10 +23,7 @@ const RECONSIDERED_M: f64 = 4.0;
 /// Ways of two visits whose directions differ by less may be one.
 const SAME_WAY_RAD: f64 = 0.6;
 
-/// The vehicle came or left by the way nearest to where it was before or after, if its direction differs by no more than this.
-pub(super) const FLOWN_WAY_RAD: f64 = 1.0;
-
-impl Mapper {
+impl Draft {
     pub(super) fn add_node(&mut self, visit: &Visit, walls: Arc<Walls>, number: usize) -> usize {
         let way = |way: &Way| new_way(way.bearing_rad, way.width_m);
         self.map.nodes.push(Node {
@@ -33,7 +32,7 @@ impl Mapper {
             ways: visit.ways.iter().map(way).collect(),
             visits: Vec::new(),
         });
-        self.places.push(Place {
+        self.places.push(NodeMemory {
             walls,
             ways_rad: visit.ways.iter().map(|way| way.bearing_rad).collect(),
             first_visit: number,
@@ -58,14 +57,14 @@ impl Mapper {
         let second = runner_up.map_or_else(String::new, |share| format!(", on the next likely place by {share:.2}"));
         let share = fit.share;
         let why = format!("its walls lie on those of node {node} by {share:.2}{second}; the drift was {off_m:.1} m");
-        self.map.merges.push(Merge { node: *node, at_ns: visit.time_ns[1], score: share, runner_up, why });
+        self.map.merges.push(Decided { node: *node, at_ns: visit.time_ns[1], score: share, runner_up, why });
         *node
     }
 
     /// Corrects all poses: visit `to` was where `fit` says, as seen from visit `from`.
     fn correct(&mut self, from: usize, to: usize, fit: &Fit) {
-        self.graph.edges.push(Edge { from, to, measured: fit.pose, information: information(0.1, 0.02) });
-        self.flown.push(Flown { is_measured: true, sd_m: Some(0.0), heading_rad2: 0.0 });
+        self.graph.edges.push(Constraint { from, to, measured: fit.pose, information: information(0.1, 0.02) });
+        self.flown.push(Leg { is_measured: true, sd_m: Some(0.0), heading_rad2: 0.0 });
         // Every pose is joined to the one before, so that the edges determine all of them.
         self.graph.solve().ok();
         self.place_nodes();
@@ -153,7 +152,7 @@ impl Mapper {
             let at_ns = self.map.nodes[from].visits.last().map_or(0, |visit| visit[1]);
             let why =
                 format!("after the correction the walls of node {from} lie on its own by {share:.2}: they are one");
-            self.map.merges.push(Merge { node: into, at_ns, score: share, runner_up, why });
+            self.map.merges.push(Decided { node: into, at_ns, score: share, runner_up, why });
             let kept = self.absorb_turned(from, into, candidate.fit.pose.rotation.angle());
             node = match node {
                 same if same == from => kept,
@@ -171,7 +170,7 @@ impl Mapper {
             let mut near = (0..from).filter(|&into| self.may_be_one(from, into)).collect::<Vec<_>>();
             if !near.is_empty() {
                 // Where no way that is known leads, places lie near to each other by nothing but a guess.
-                let flown = self.flown_to(of.first_visit);
+                let flown = flown_to(&self.graph, &self.flown, of.first_visit);
                 near.retain(|&into| flown[self.places[into].first_visit].sd_m.is_some());
             }
             let fits = near.into_iter().filter_map(|node| {
@@ -184,8 +183,8 @@ impl Mapper {
             let mut candidates = candidates.into_iter();
             let best = candidates.next().filter(|best| best.fit.share >= LEAST_SHARE)?;
             let runner_up = candidates.next().map(|other| other.fit.share);
-            let leads = runner_up.is_none_or(|share| best.fit.share - share >= LEAST_LEAD);
-            leads.then_some((from, best, runner_up))
+            let has_clear_lead = runner_up.is_none_or(|share| best.fit.share - share >= LEAST_LEAD);
+            has_clear_lead.then_some((from, best, runner_up))
         })
     }
 
@@ -225,11 +224,8 @@ impl Mapper {
                 kept.passage = kept.passage.or(way.passage);
             }
         }
-        for decided in self.map.merges.iter_mut().map(|merge| &mut merge.node) {
-            *decided = moved(*decided);
-        }
-        for refused in self.map.refusals.iter_mut().map(|refusal| &mut refusal.node) {
-            *refused = moved(*refused);
+        for decided in self.map.merges.iter_mut().chain(&mut self.map.refusals) {
+            decided.node = moved(decided.node);
         }
         for guessed in self.guesses.iter_mut().map(|guess| &mut guess.node) {
             *guessed = moved(*guessed);

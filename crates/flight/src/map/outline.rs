@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Isometry2, Matrix3, Point2, Vector2};
 
-use crate::evidence::{Evidence, Matching, stepped};
+use crate::evidence::{MatchEvidence, Matching, stepped};
 use crate::line_points::LinePoint;
 use crate::local_map::LocalMap;
 
@@ -118,7 +118,7 @@ impl Walls {
         let mut matching = Matching::default();
         matching.begin(other.points.iter().step_by(SEARCHED_POINTS).copied());
         for _ in 0..ITERATIONS {
-            let Evidence { information, gradient, .. } = matching.at(&pose, &self.map, KERNEL_M);
+            let MatchEvidence { information, gradient, .. } = matching.at(&pose, &self.map, KERNEL_M);
             let Some(factor) = (information + Matrix3::identity() * 1e-3).cholesky() else { break };
             let step = factor.solve(&-gradient);
             pose = stepped(&pose, &step);

@@ -2,9 +2,9 @@
 
 use nalgebra::Point2;
 
-use super::mapper::Departure;
+use super::Passage;
+use super::draft::{Departure, Draft};
 use super::visit::Visit;
-use super::{Mapper, Passage};
 
 /// Between two visits of one node, a passage is longer than this.
 const TURN_M: f64 = 8.0;
@@ -12,7 +12,7 @@ const TURN_M: f64 = 8.0;
 /// A vehicle that comes back to the node that it left, by a way no longer than this many looks, only turned.
 const TURN_LOOKS: f64 = 1.5;
 
-impl Mapper {
+impl Draft {
     /// A new place before the end of a known passage, nearer than this, divides it: what is known of it leads elsewhere.
     fn divide(&mut self, (from, by): (usize, usize), (to, came_by): (usize, usize), nearer_m: f64) {
         let is_first = self.map.nodes[to].visits.len() == 1 && self.map.nodes[to].ways[came_by].passage.is_none();
@@ -102,10 +102,10 @@ mod tests {
     use nalgebra::Isometry2;
 
     use super::*;
-    use crate::map::mapper::Place;
+    use crate::HereKind;
+    use crate::map::draft::NodeMemory;
     use crate::map::outline::Walls;
     use crate::map::{Node, NodeWay};
-    use crate::{HereKind, Mapper};
 
     #[test]
     fn a_place_before_the_end_of_a_known_passage_divides_it() {
@@ -116,16 +116,16 @@ mod tests {
             visits: vec![[0, 1]],
         };
         for (nearer_m, left) in [(20.0, 0), (39.0, 0), (41.0, 1)] {
-            let mut mapper = Mapper::default();
-            mapper.map.nodes = vec![node(Some(0)), node(Some(0)), node(None)];
+            let mut draft = Draft::default();
+            draft.map.nodes = vec![node(Some(0)), node(Some(0)), node(None)];
             let (from, to, length_m, width_m) = (0, 1, 40.0, 4.0);
             let (length_sd_m, stretch_ns, via_m) = (None, [0, 1], Vec::new());
-            mapper.map.passages = vec![Passage { from, to, length_m, length_sd_m, width_m, stretch_ns, via_m }];
-            mapper.courses = vec![(0, Vec::new())];
-            mapper.divide((0, 0), (2, 0), nearer_m);
+            draft.map.passages = vec![Passage { from, to, length_m, length_sd_m, width_m, stretch_ns, via_m }];
+            draft.courses = vec![(0, Vec::new())];
+            draft.divide((0, 0), (2, 0), nearer_m);
             let leads = |node: &Node| node.ways[0].passage.is_some();
-            assert_eq!(mapper.map.passages.len(), left, "nearer than {nearer_m} m");
-            assert_eq!(mapper.map.nodes.iter().filter(|node| leads(node)).count(), 2 * left);
+            assert_eq!(draft.map.passages.len(), left, "nearer than {nearer_m} m");
+            assert_eq!(draft.map.nodes.iter().filter(|node| leads(node)).count(), 2 * left);
         }
     }
 
@@ -134,19 +134,19 @@ mod tests {
         let way = |bearing_rad: f64, passage| NodeWay { bearing_rad, width_m: 4.0, taken: true, passage };
         // The second node is the first one, seen again after a turn in its first way; another passage leads to a third.
         let first = vec![way(0.0, Some(0)), way(1.6, Some(1)), way(3.1, None)];
-        let mut mapper = Mapper::default();
+        let mut draft = Draft::default();
         for ways in [first, vec![way(0.0, Some(0))], vec![way(-1.5, Some(1))]] {
             let ways_rad = ways.iter().map(|way| way.bearing_rad).collect();
             let (walls, belief) = (Arc::new(Walls::new(&[])), BTreeMap::new());
-            mapper.places.push(Place { walls, ways_rad, first_visit: 0, belief });
-            mapper.map.nodes.push(Node {
+            draft.places.push(NodeMemory { walls, ways_rad, first_visit: 0, belief });
+            draft.map.nodes.push(Node {
                 kind: HereKind::Junction,
                 position_m: Point2::origin(),
                 ways,
                 visits: vec![[0, 1]],
             });
         }
-        mapper.graph.poses = vec![Isometry2::identity()];
+        draft.graph.poses = vec![Isometry2::identity()];
         let (length_sd_m, stretch_ns, via_m) = (None, [0, 1], Vec::new());
         let passage = |to: usize, length_m: f64| Passage {
             from: 0,
@@ -157,12 +157,12 @@ mod tests {
             stretch_ns,
             via_m: Vec::clone(&via_m),
         };
-        mapper.map.passages = vec![passage(1, 6.0), passage(2, 30.0)];
-        mapper.courses = vec![(0, Vec::new()); 2];
-        mapper.absorb(1, 0);
-        let left: Vec<[usize; 2]> = mapper.map.passages.iter().map(|passage| [passage.from, passage.to]).collect();
-        assert_eq!(left, [[0, 1]], "{:?}", mapper.map);
-        let leads: Vec<Option<usize>> = mapper.map.nodes[0].ways.iter().map(|way| way.passage).collect();
+        draft.map.passages = vec![passage(1, 6.0), passage(2, 30.0)];
+        draft.courses = vec![(0, Vec::new()); 2];
+        draft.absorb(1, 0);
+        let left: Vec<[usize; 2]> = draft.map.passages.iter().map(|passage| [passage.from, passage.to]).collect();
+        assert_eq!(left, [[0, 1]], "{:?}", draft.map);
+        let leads: Vec<Option<usize>> = draft.map.nodes[0].ways.iter().map(|way| way.passage).collect();
         assert_eq!(leads, [None, Some(0), None]);
     }
 }

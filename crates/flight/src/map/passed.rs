@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use nalgebra::{Isometry2, Point2};
 
-use super::Mapper;
 use super::visit::Visit;
 use crate::line_points::LinePoint;
 use crate::{HereKind, Way};
@@ -23,12 +22,12 @@ const POCKET_WIDTHS: f64 = 1.45;
 /// The walls that were seen on the last metres of the flight.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Passed {
-    views: VecDeque<View>,
+    views: VecDeque<WallView>,
 }
 
 /// What was seen from a place, in the frame that poses are tracked in.
 #[derive(Clone, Debug)]
-struct View {
+struct WallView {
     from_m: Point2<f64>,
     walls_m: Arc<[Point2<f64>]>,
 }
@@ -43,7 +42,7 @@ impl Passed {
             self.views.pop_front();
         }
         let walls_m = line_points().iter().map(|point| pose * point.position_m).collect();
-        self.views.push_back(View { from_m, walls_m });
+        self.views.push_back(WallView { from_m, walls_m });
     }
 
     /// The poses that follow do not go with those before.
@@ -53,7 +52,7 @@ impl Passed {
 
     /// How far the vehicle saw into a mouth as it passed it, metres from where it was nearest; `None` if it did not pass, went
     /// in, or saw no wall there.
-    pub(super) fn depth_m(&self, mouth_m: Point2<f64>, width_m: f64) -> Option<f64> {
+    fn depth_m(&self, mouth_m: Point2<f64>, width_m: f64) -> Option<f64> {
         let off_m = |at: usize| (mouth_m - self.views[at].from_m).norm();
         let nearest = (0..self.views.len()).min_by(|a, b| off_m(*a).total_cmp(&off_m(*b)))?;
         if nearest == 0 || nearest + 1 == self.views.len() || off_m(nearest) < 0.5 * width_m {
@@ -68,18 +67,16 @@ impl Passed {
         // What is nearer than the mouth hides what lies in it.
         (depth_m > towards.norm()).then_some(depth_m)
     }
-}
 
-impl Mapper {
     /// Whether a junction that was seen from its edge alone is none: from where the vehicle passed them, of all of its ways but two
     /// the end was in view within the look.
-    pub(super) fn is_a_pocket(&self, visit: &Visit) -> bool {
+    pub(super) fn is_a_pocket(&self, visit: &Visit, width_m: Option<f64>) -> bool {
         if visit.kind != HereKind::Junction || visit.has_middle {
             return false;
         }
-        let pocket_m = self.way.width_m().map_or(visit.look_m, |width_m| visit.look_m.min(POCKET_WIDTHS * width_m));
+        let pocket_m = width_m.map_or(visit.look_m, |width_m| visit.look_m.min(POCKET_WIDTHS * width_m));
         let ends = |(way, mouth_m): &(&Way, Point2<f64>)| {
-            self.passed.depth_m(*mouth_m, way.width_m).is_some_and(|depth_m| depth_m < pocket_m)
+            self.depth_m(*mouth_m, way.width_m).is_some_and(|depth_m| depth_m < pocket_m)
         };
         let pockets = visit.ways.iter().zip(visit.mouths_m()).filter(ends).count();
         pockets > 0 && visit.ways.len() - pockets < 3

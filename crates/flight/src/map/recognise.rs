@@ -7,49 +7,46 @@ use nalgebra::Isometry2;
 
 use crosscut_stage::wrap_angle_rad;
 
-use super::agreed::Stray;
-use super::flown::Flown;
+use super::Decided;
+use super::candidate::{ANCHORS_M, Candidate, WAYS_APART_RAD, turns_rad};
+use super::draft::{Draft, Stray};
+use super::legs::{Leg, flown_to};
 use super::outline::{APART_M, Fit, Walls};
 use super::visit::Visit;
-use super::{Mapper, Refusal};
 use crate::HereKind;
 
-/// Anchors of one place lie within this of each other, and within this many looks; within this many standard deviations of
-/// the pose more. Those of all that was flown since the place add up, as a heading that is off is so for all that follows.
-pub(super) const ANCHORS_M: f64 = 2.5;
+/// Two anchors of one place are at most this many looks apart, or [`ANCHORS_M`] if that is more, and [`DEVIATIONS`] more.
 const ANCHORS_LOOKS: f64 = 0.75;
+
+/// Poses are off by at most this many standard deviations. Those of all legs since a place add up: a heading error moves
+/// everything after it.
 const DEVIATIONS: f64 = 3.0;
 
 /// Headings are known to within this, and within [`DEVIATIONS`] of the pose more.
 const HEADING_RAD: f64 = 0.15;
 
-/// The directions of the ways of one place agree to within this.
-const WAYS_APART_RAD: f64 = 0.6;
-
-/// Outlines of one place lie on each other by this share of their line points, and by this much better than on any other place.
+/// Outlines of one place lie on each other by at least this share of their line points.
 pub(super) const LEAST_SHARE: f64 = 0.72;
+
+/// The outline of a visit lies on that of its place by this much more of its line points than on any other place.
 pub(super) const LEAST_LEAD: f64 = 0.08;
 
-/// For the place that a known passage leads to, less is enough: by its length, within these, the vehicle is at its end.
+/// This share is enough for the place at the end of a known passage whose length the vehicle has flown.
 const EXPECTED_SHARE: f64 = 0.55;
+
+/// The share of the place at the end of a known passage is at most this much less than that of any other place.
 const EXPECTED_BEHIND: f64 = 0.08;
+
+/// The way flown along a known passage differs from its length by less than this, and [`LENGTH_OFF_SHARE`] of the length more.
 const LENGTH_OFF_M: f64 = 2.0;
+
+/// The way flown along a known passage differs from its length by less than this share of it, and [`LENGTH_OFF_M`] more.
 const LENGTH_OFF_SHARE: f64 = 0.15;
 
 /// Below this share an outline is no reason to think of a place.
 const WORTH_NOTING: f64 = 0.55;
 
-/// Two fits on one node that differ by less are the same.
-const SAME_M: f64 = 1.5;
-const SAME_RAD: f64 = 0.4;
-
-/// A place that a visit may be to.
-pub(super) struct Candidate {
-    pub(super) node: usize,
-    pub(super) fit: Fit,
-}
-
-impl Mapper {
+impl Draft {
     /// The node that a visit is to, other than `but`, and the share of the runner-up; `None` if it is to none, or if two are alike.
     pub(super) fn recognise(
         &mut self,
@@ -60,10 +57,15 @@ impl Mapper {
     ) -> Option<(Candidate, Option<f64>)> {
         let mut candidates: Vec<Candidate> = Vec::new();
         let bearings_rad: Vec<f64> = visit.ways.iter().map(|way| way.bearing_rad).collect();
-        let flown = self.graph.poses.len().checked_sub(1).map_or_else(Vec::new, |last| self.flown_to(last));
+        let flown = self
+            .graph
+            .poses
+            .len()
+            .checked_sub(1)
+            .map_or_else(Vec::new, |last| flown_to(&self.graph, &self.flown, last));
         let mut is_known_from_all = true;
         for (node, place) in self.places.iter().enumerate() {
-            let Flown { sd_m, heading_rad2, .. } = flown[place.first_visit];
+            let Leg { sd_m, heading_rad2, .. } = flown[place.first_visit];
             let Some(sd_m) = sd_m else {
                 is_known_from_all = false;
                 continue;
@@ -99,7 +101,7 @@ impl Mapper {
             return decided;
         }
         let stray = Stray { kind: visit.kind, anchor: visit.anchor, bearings_rad, walls: Arc::clone(walls) };
-        self.agreed(stray, &self.elsewhere(&flown, but)).map(|candidate| (candidate, None))
+        self.place_stretch(stray, &self.elsewhere(&flown, but)).map(|candidate| (candidate, None))
     }
 
     fn decide(&mut self, visit: &Visit, mut candidates: Vec<Candidate>) -> Option<(Candidate, Option<f64>)> {
@@ -113,8 +115,8 @@ impl Mapper {
         let at = candidates.iter().position(is_expected);
         let best = candidates.remove(at.unwrap_or(0));
         let runner_up = candidates.iter().find(|other| other.is_elsewhere(&best)).map(|other| other.fit.share);
-        let leads = runner_up.is_none_or(|share| best.fit.share - share >= LEAST_LEAD);
-        if at.is_none() && (best.fit.share < LEAST_SHARE || !leads) {
+        let has_clear_lead = runner_up.is_none_or(|share| best.fit.share - share >= LEAST_LEAD);
+        if at.is_none() && (best.fit.share < LEAST_SHARE || !has_clear_lead) {
             self.refuse(visit, &best, runner_up);
             return None;
         }
@@ -141,36 +143,8 @@ impl Mapper {
             _ => format!("too little of {LEAST_SHARE}"),
         };
         let why = format!("a new node: its walls lie on those of node {node} by {score:.2}, {but}");
-        self.map.refusals.push(Refusal { node, at_ns: visit.time_ns[1], score, runner_up, why });
+        self.map.refusals.push(Decided { node, at_ns: visit.time_ns[1], score, runner_up, why });
     }
-}
-
-impl Candidate {
-    /// It is another place than `other`, or the same one turned.
-    pub(super) fn is_elsewhere(&self, other: &Self) -> bool {
-        let apart = self.fit.pose.inv_mul(&other.fit.pose);
-        let is_same = apart.rotation.angle().abs() < SAME_RAD && apart.translation.vector.norm() < SAME_M;
-        self.node != other.node || !is_same
-    }
-}
-
-/// The turns that bring the ways of a visit onto those of a node.
-pub(super) fn turns_rad<'w>(bearings_rad: &'w [f64], ways_rad: &'w [f64]) -> impl Iterator<Item = f64> + 'w {
-    (0..bearings_rad.len()).filter_map(|shift| turn_rad(bearings_rad, ways_rad, shift))
-}
-
-/// The turn that brings the ways of a visit onto those of a node, way i onto way i + `shift`; `None` if they do not
-/// agree.
-fn turn_rad(bearings_rad: &[f64], ways_rad: &[f64], shift: usize) -> Option<f64> {
-    let ways = bearings_rad.len();
-    if ways != ways_rad.len() {
-        return None;
-    }
-    let off_rad = |i: usize| ways_rad[(i + shift) % ways] - bearings_rad[i];
-    let first_rad = off_rad(0);
-    let mean_rad = first_rad + (0..ways).map(|i| wrap_angle_rad(off_rad(i) - first_rad)).sum::<f64>() / ways as f64;
-    let agree = (0..ways).all(|i| wrap_angle_rad(off_rad(i) - mean_rad).abs() <= WAYS_APART_RAD);
-    agree.then(|| wrap_angle_rad(mean_rad))
 }
 
 #[cfg(test)]
@@ -183,7 +157,7 @@ mod tests {
     use super::*;
     use crate::Way;
     use crate::line_points::LinePoint;
-    use crate::map::mapper::Place;
+    use crate::map::draft::NodeMemory;
     use crate::map::{Node, NodeWay};
 
     /// Line points of a dead end that is 5 m wide, open towards -x or +x (`side`: -1 or 1), every 0.1 m.
@@ -206,17 +180,17 @@ mod tests {
     #[test]
     fn a_dead_end_that_opens_the_other_way_is_another_one() {
         for (side, is_same) in [(-1.0, true), (1.0, false)] {
-            let mut mapper = Mapper::default();
-            mapper.graph.poses = vec![Isometry2::identity()];
+            let mut draft = Draft::default();
+            draft.graph.poses = vec![Isometry2::identity()];
             let way = NodeWay { bearing_rad: way_rad(-1.0), width_m: 5.0, taken: true, passage: None };
-            mapper.map.nodes = vec![Node {
+            draft.map.nodes = vec![Node {
                 kind: HereKind::DeadEnd,
                 position_m: Point2::origin(),
                 ways: vec![way],
                 visits: vec![[0, 1]],
             }];
             let (walls, ways_rad) = (Arc::new(Walls::new(&dead_end(-1.0))), vec![way_rad(-1.0)]);
-            mapper.places = vec![Place { walls, ways_rad, first_visit: 0, belief: BTreeMap::new() }];
+            draft.places = vec![NodeMemory { walls, ways_rad, first_visit: 0, belief: BTreeMap::new() }];
             let outline = dead_end(side);
             let walls = Arc::new(Walls::new(&outline));
             let visit = Visit {
@@ -233,9 +207,9 @@ mod tests {
                 came_from: Point2::origin(),
                 left_to: Point2::origin(),
             };
-            let alike = mapper.places[0].walls.fit(&walls, &Isometry2::identity()).expect("both have walls").share;
+            let alike = draft.places[0].walls.fit(&walls, &Isometry2::identity()).expect("both have walls").share;
             assert!(alike > LEAST_SHARE, "the walls beside them are alike: {alike}");
-            let found = mapper.recognise(&visit, &walls, &Isometry2::identity(), None);
+            let found = draft.recognise(&visit, &walls, &Isometry2::identity(), None);
             assert_eq!(found.is_some(), is_same, "open towards {side} x");
         }
     }

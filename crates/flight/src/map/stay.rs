@@ -3,12 +3,11 @@
 use crosscut_stage::wrap_angle_rad;
 use nalgebra::{Isometry2, Point2};
 
-use super::Mapper;
-use super::mapper::Departure;
+use super::draft::{Departure, Draft};
 use super::visit::Visit;
 
-/// Two visits in a row are one stay if all of the way between them is nearer to the first than this many looks: where the
-/// vehicle was in the middle of the place on neither visit, on one, on both.
+/// Two visits in a row are one stay if all of the way between them is nearer to the first visit than this many looks. The three
+/// values are for visits of which none, one, both were in the middle of the place.
 const NEAR_LOOKS: [f64; 3] = [1.2, 0.9, 0.6];
 
 /// Two visits in a row that are nearer to each other than this many looks are one stay, whatever ways they saw.
@@ -20,7 +19,7 @@ const SAME_MOUTH_RAD: f64 = 0.6;
 /// A mouth that is nearer to an anchor than this many of its looks need not be a mouth from there.
 const MOUTH_OUTSIDE: f64 = 0.7;
 
-impl Mapper {
+impl Draft {
     /// Whether the vehicle is still at the node that it left last: a place is what lies within the look, and the two looks
     /// are of much the same space.
     pub(super) fn is_still_at(&self, last: &Departure, visit: &Visit, predicted: &Isometry2<f64>) -> bool {

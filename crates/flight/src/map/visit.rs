@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use crosscut_stage::{unit, wrap_angle_rad};
 use nalgebra::{Isometry2, Point2};
 
-use super::nodes::FLOWN_WAY_RAD;
 use crate::belief::{elapsed_s, independent, sure};
 use crate::line_points::LinePoint;
 use crate::{Here, HereKind, Way};
@@ -27,6 +26,9 @@ const LEFT_MIDDLE_M: f64 = 1.5;
 
 /// Beyond this, a place lies on the other side of the anchor than a way.
 const BEHIND_M: f64 = 1.0;
+
+/// A leg is assigned to the way nearest its direction, within this angle.
+pub(super) const FLOWN_WAY_RAD: f64 = 1.0;
 
 /// What was seen from one pose.
 #[derive(Clone, Debug)]

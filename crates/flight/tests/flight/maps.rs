@@ -259,7 +259,7 @@ fn a_stretch_beyond_a_gap_joins_again_by_three_places() {
     let tees = map.nodes.iter().filter(|node| node.kind == HereKind::Junction).count();
     assert_eq!(tees, 4, "{}: {:#?}", map.summary(), map.merges);
     // The first two places of the stretch lie, by a guess, near those that they are; the third one decides.
-    let is_by_position = |merge: &&crosscut_flight::Merge| merge.why.starts_with("after the correction");
+    let is_by_position = |merge: &&crosscut_flight::Decided| merge.why.starts_with("after the correction");
     assert_eq!(map.merges[..3].iter().filter(is_by_position).count(), 0, "{:#?}", map.merges);
 }
 

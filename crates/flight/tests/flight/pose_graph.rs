@@ -1,6 +1,6 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use crosscut_flight::{Edge, PoseGraph, PoseGraphError, read_g2o, write_g2o};
+use crosscut_flight::{Constraint, PoseGraph, PoseGraphError, read_g2o, write_g2o};
 use nalgebra::{Isometry2, Matrix3, Vector2, Vector3};
 use proptest::prelude::*;
 use rand::SeedableRng as _;
@@ -23,7 +23,7 @@ fn loop_of(poses: usize, noise: f64, seed: u64) -> PoseGraph {
         let mut off = || rng.random_range(-noise..=noise);
         let measured = graph.poses[from].inv_mul(&graph.poses[to]) * pose(off(), off(), off());
         let information = Matrix3::from_diagonal(&Vector3::new(100.0, 50.0, 400.0));
-        graph.edges.push(Edge { from, to, measured, information });
+        graph.edges.push(Constraint { from, to, measured, information });
     }
     graph
 }
@@ -75,10 +75,10 @@ fn a_loop_closure_spreads_the_drift_over_the_loop() {
     let mut graph = PoseGraph { poses: vec![Isometry2::identity()], edges: Vec::new() };
     for from in 0..4 {
         graph.poses.push(graph.poses[from] * side);
-        graph.edges.push(Edge { from, to: from + 1, measured: side, information });
+        graph.edges.push(Constraint { from, to: from + 1, measured: side, information });
     }
     let off_before_m = graph.poses[4].translation.vector.norm();
-    graph.edges.push(Edge { from: 4, to: 0, measured: Isometry2::identity(), information: information * 1e6 });
+    graph.edges.push(Constraint { from: 4, to: 0, measured: Isometry2::identity(), information: information * 1e6 });
     graph.solve().expect("determined");
     assert!(off_before_m > 0.5 && graph.poses[4].translation.vector.norm() < 1e-3);
     let corner_m = graph.poses[2].translation.vector;

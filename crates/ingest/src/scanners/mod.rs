@@ -8,6 +8,7 @@ mod frames;
 mod mount;
 mod same_frame;
 
+use crosscut_stage::NoteCode::{N050, N051, N052, N053, N054, N055, N056};
 use crosscut_stage::{Notes, Revolution, Source, counted};
 
 use self::around::Around;
@@ -90,12 +91,12 @@ impl<S: Scans> Scanners<S> {
         for scanner in others.iter() {
             let topic = scanner.scans.topic();
             match scanner.nearest(stamp_ns) {
-                None => notes.add(format!("{topic} is not joined: it has no scan within 0.1 s")),
-                Some(seen) if frames.common(&[&first.frame_id, &seen.frame_id]).is_none() => notes.add(format!(
+                None => notes.add(N050, format!("{topic} is not joined: it has no scan within 0.1 s")),
+                Some(seen) if frames.common(&[&first.frame_id, &seen.frame_id]).is_none() => notes.add(N051, format!(
                     "{topic} is not joined: no transforms lead from `{}` to `{}`",
                     seen.frame_id, first.frame_id
                 )),
-                Some(seen) if scanner.agreement.is_refuted() && seen.frame_id == first.frame_id => notes.add(format!(
+                Some(seen) if scanner.agreement.is_refuted() && seen.frame_id == first.frame_id => notes.add(N056, format!(
                     "{topic} is not joined: both scanners state the frame `{}`, and in it they see different things; one of \
                      them needs a frame of its own",
                     first.frame_id
@@ -107,7 +108,8 @@ impl<S: Scans> Scanners<S> {
         let names: Vec<&str> = seen().map(|seen| seen.frame_id.as_str()).collect();
         let Some(frame) = frames.common(&names).filter(|_| !near.is_empty()) else { return };
         let Some(pose) = frames.pose(&first.frame_id, &frame, stamp_ns) else {
-            notes.add(format!("no scanner is joined: the pose of `{}` is not known at this time", first.frame_id));
+            notes
+                .add(N052, format!("no scanner is joined: the pose of `{}` is not known at this time", first.frame_id));
             return;
         };
         let mut placed = vec![(pose, &*first)];
@@ -115,15 +117,15 @@ impl<S: Scans> Scanners<S> {
             match frames.pose(&seen.frame_id, &frame, seen.stamp_ns) {
                 Some(pose) => {
                     placed.push((pose, seen));
-                    notes.add(format!("joined with {topic} in frame `{frame}`"));
+                    notes.add(N053, format!("joined with {topic} in frame `{frame}`"));
                 }
-                None => notes.add(format!("{topic} is not joined: its pose is not known at this time")),
+                None => notes.add(N054, format!("{topic} is not joined: its pose is not known at this time")),
             }
         }
         let filled = around.look(&placed, joined);
         if filled > 0 {
             let beams = counted(filled as u64, "beam");
-            notes.add(format!("{beams} between those of the scanners: as far as the farther neighbour sees"));
+            notes.add(N055, format!("{beams} between those of the scanners: as far as the farther neighbour sees"));
         }
         std::mem::swap(&mut first.points_m, &mut joined.points_m);
         std::mem::swap(&mut first.sweep, &mut joined.sweep);

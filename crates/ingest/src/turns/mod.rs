@@ -142,7 +142,7 @@ impl Turns {
         notes: &mut Notes,
     ) {
         self.view.show(scan, turn.rad_per_beam, motion, sensor, out, notes);
-        notes.extend(turn.notes.iter().cloned());
+        notes.extend(turn.notes.coded().iter().cloned());
         self.view.hide(scan, &turn.missing, sensor, out, notes);
     }
 

@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
 use crosscut_messages::{LaserScan, ScanMessage};
+use crosscut_stage::NoteCode::{N046, N047, N048, N059};
 use crosscut_stage::counted;
 
 use super::turn::Turn;
@@ -111,15 +112,14 @@ impl Joiner {
             Ok(ScanMessage::Scan(scan)) if !scan.ranges.is_empty() && has_increment(scan, self.increment_rad) => scan,
             Ok(_) => {
                 self.finish(out);
-                part.notes
-                    .push("not joined with other parts of its turn: the angle from beam to beam is another".to_owned());
+                part.notes.add(N059, "not joined with other parts of its turn: the angle from beam to beam is another");
                 part.seq = self.next_seq(part.seq, part.seq);
                 out.push_back(part);
                 return;
             }
             Err(cause) => {
                 if let Some(current) = &mut self.current {
-                    current.turn.notes.push(format!("a message of this turn cannot be decoded: {cause}"));
+                    current.turn.notes.add(N046, format!("a message of this turn cannot be decoded: {cause}"));
                     current.turn.undecodable.push((part.seq, cause.clone()));
                 } else {
                     part.seq = self.next_seq(part.seq, part.seq);
@@ -156,11 +156,11 @@ impl Joiner {
             current.scan.scan_time = current.scan.time_increment * self.beams as f32;
         }
         let messages = counted(current.messages, "message");
-        current.turn.notes.push(format!("a revolution joined of {messages}: seq counts revolutions"));
+        current.turn.notes.add(N047, format!("a revolution joined of {messages}: seq counts revolutions"));
         let missing = current.is_there.iter().filter(|is_there| !**is_there).count();
         if missing > 0 {
             let beams = counted(missing as u64, "beam");
-            current.turn.notes.push(format!("{beams} of messages that are missing left out"));
+            current.turn.notes.add(N048, format!("{beams} of messages that are missing left out"));
         }
         current.turn.missing = current.is_there.iter().map(|is_there| !is_there).collect();
         current.turn.seq = self.next_seq(current.first_seq, current.turn.seq);

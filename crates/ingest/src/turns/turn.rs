@@ -1,6 +1,7 @@
 //! One turn of the lidar on its way from messages to a revolution.
 
 use crosscut_messages::{DecodeError, LaserScan, ScanMessage};
+use crosscut_stage::{NoteCode, Notes};
 
 /// One turn of the lidar, or one message before that is known.
 #[derive(Debug)]
@@ -12,7 +13,7 @@ pub(crate) struct Turn {
     /// When its first message was recorded, as far as that can be known.
     pub(crate) recorded_ns: u64,
     /// Why that is another time than the recording states.
-    pub(crate) odd_time: Option<&'static str>,
+    pub(crate) odd_time: Option<(NoteCode, &'static str)>,
     /// Which part of the flight its first message is in.
     pub(crate) part: usize,
     pub(crate) scan: Result<ScanMessage, DecodeError>,
@@ -22,7 +23,7 @@ pub(crate) struct Turn {
     pub(crate) rad_per_beam: f64,
     /// The time from beam to beam, s; 0 if it is not known.
     pub(crate) beam_s: f64,
-    pub(crate) notes: Vec<String>,
+    pub(crate) notes: Notes,
     /// Messages of a joined turn that cannot be decoded: their index in the topic, and why.
     pub(crate) undecodable: Vec<(u64, DecodeError)>,
 }
@@ -39,7 +40,7 @@ impl Turn {
             missing: Vec::new(),
             rad_per_beam: 0.0,
             beam_s: 0.0,
-            notes: Vec::new(),
+            notes: Notes::default(),
             undecodable: Vec::new(),
         }
     }

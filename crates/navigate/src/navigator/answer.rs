@@ -6,7 +6,7 @@ use crate::Command;
 
 /// How a mission ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum End {
+pub enum MissionEnd {
     /// The vehicle is home by its own map, and knows of nothing left to explore.
     Home,
     /// The vehicle could not get on.
@@ -15,7 +15,7 @@ pub enum End {
     GaveUp,
 }
 
-impl End {
+impl MissionEnd {
     /// Its name in results.
     pub fn name(self) -> &'static str {
         match self {
@@ -28,7 +28,7 @@ impl End {
 
 /// A decision at a place.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Decision {
+pub struct PlaceDecision {
     /// Where it was taken, as tracked.
     pub at_m: Point2<f64>,
     /// The place on the map; `None` where the map has none.
@@ -41,7 +41,7 @@ pub struct Decision {
 
 /// What the navigator answers to a frame.
 #[derive(Clone, Debug)]
-pub struct Step {
+pub struct PilotStep {
     /// What the vehicle is to do.
     pub command: Command,
     /// Where it is heading for, as tracked.
@@ -51,7 +51,7 @@ pub struct Step {
     /// What it is doing, in a word.
     pub doing: &'static str,
     /// The decision that was taken at this frame.
-    pub decision: Option<Decision>,
+    pub decision: Option<PlaceDecision>,
     /// Set once the mission is over.
-    pub end: Option<End>,
+    pub end: Option<MissionEnd>,
 }

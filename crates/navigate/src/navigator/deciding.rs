@@ -6,11 +6,11 @@ use crosscut_flight::{FlightAnswer, HereKind, Located};
 use crosscut_stage::{Beam, Frame, Revolution, unit, wrap_angle_rad};
 use nalgebra::{Isometry2, Point2};
 
-use super::answer::Decision;
+use super::answer::PlaceDecision;
 use super::{Doing, Left, Navigator};
 use crate::chart::{Noted, WayEnd, in_map};
-use crate::known::{Known, Route, WayState};
-use crate::planner::Choice;
+use crate::known::{PlannerMap, Route, WayState};
+use crate::planner::WayChoice;
 use crate::trail::way_back_m;
 
 /// If home is no farther, it need not be by one of the ways of the place, m.
@@ -36,7 +36,7 @@ impl Navigator {
         kind: HereKind,
         frame: &Frame,
         pose: &Isometry2<f64>,
-    ) -> Decision {
+    ) -> PlaceDecision {
         let steady = FlightAnswer::of(frame).steady_here();
         let here_m = Point2::from(pose.translation.vector);
         let look_m = steady.map_or(3.0, |here| here.look_m);
@@ -76,13 +76,18 @@ impl Navigator {
         self.left = Some(Left { at_m, bearing_rad, look_m, kind, place, really_rad: None, way_m });
         self.doing = Doing::Leave { began: self.now };
         self.goal_m = here_m + unit(bearing_rad) * look_m.clamp(1.5, 4.0);
-        Decision { at_m, place: located.map(|located| located.node), bearing_rad, why }
+        PlaceDecision { at_m, place: located.map(|located| located.node), bearing_rad, why }
     }
 
     /// The way to take, its direction in the frame of the map, and why.
-    fn choose(&mut self, located: &Located, known: &Known, trail_m: &[Point2<f64>]) -> (Option<usize>, f64, String) {
+    fn choose(
+        &mut self,
+        located: &Located,
+        known: &PlannerMap,
+        trail_m: &[Point2<f64>],
+    ) -> (Option<usize>, f64, String) {
         let ways = &known.places[known.here].ways;
-        let by = |choice: Choice| {
+        let by = |choice: WayChoice| {
             let bearing_rad = ways.get(choice.way).map_or(known.heading_rad + PI, |way| way.bearing_rad);
             (Some(choice.way), bearing_rad, choice.why)
         };
@@ -101,7 +106,7 @@ impl Navigator {
         self.goes_home = !is_cut_off;
         let none = if is_cut_off { "no known route leads to a way not taken" } else { "no way is left to take" };
         if let Some(Route { way, length_m, .. }) = known.route(|place| place == first) {
-            return by(Choice { way, why: format!("{none}; home is {length_m:.0} m away") });
+            return by(WayChoice { way, why: format!("{none}; home is {length_m:.0} m away") });
         }
         // From the first place on, and where the map knows no route, the vehicle flies back the way that it came. Where that
         // led back to a place, it takes another way.
@@ -135,7 +140,7 @@ impl Navigator {
     }
 
     /// Notes how the vehicle came from the place before.
-    fn note_link(&mut self, located: &Located, known: &Known) {
+    fn note_link(&mut self, located: &Located, known: &PlannerMap) {
         let Some(left) = self.left.take() else { return };
         if let (Some(from), Some(bearing_rad)) = (left.place, left.really_rad)
             && let Some(back) = known.way_back()

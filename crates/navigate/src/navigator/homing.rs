@@ -1,9 +1,9 @@
-//! Home: what was seen there at the start, the last metres of the way back, and whether the vehicle is there.
+//! Home: the last metres of the way back, and whether the vehicle is there.
 
 use nalgebra::{Isometry2, Point2};
 
-use crosscut_flight::{Here, HereKind, Look, Mapper};
-use crosscut_stage::{Frame, wrap_angle_rad};
+use crosscut_flight::{Here, Mapper};
+use crosscut_stage::Frame;
 
 use super::Navigator;
 use crate::surround::Field;
@@ -11,25 +11,29 @@ use crate::surround::Field;
 /// The vehicle is home within this of where it started, m.
 const HOME_M: f64 = 3.0;
 
-/// The walls around the start are those in view within this of it, from places this far apart, m.
-const START_WITHIN_M: f64 = 1.5;
-const START_EVERY_M: f64 = 0.7;
-
 /// At home, the walls in view lie on those of the start by this share. In the simulated mines it was 0.95 and more; 9 m and more
 /// away it was 0.84 or less in all but one of 5,000 scans, and up to 0.93 in a straight passage.
 const LEAST_SHARE: f64 = 0.87;
 
-/// They are compared at every n-th revolution where the vehicle may be at home: within this many standard deviations of where
-/// it is by the map, and within this, m.
+/// The walls in view are compared with those of the start at every n-th revolution where the vehicle may be at home.
 const COMPARED_EVERY: u64 = 5;
+
+/// The vehicle may be at home where the map has home within [`HOME_M`] and this many standard deviations of the pose.
 const DEVIATIONS: f64 = 3.0;
+
+/// The vehicle is not at home where the map has home farther away than this, m.
 const FARTHEST_M: f64 = 30.0;
 
-/// Farther away by the map than home may be, they lie so by this share this often, from places that are farther apart than this, m, and
-/// within this of each other, m.
+/// Where the map says home is elsewhere, the walls in view lie on those of the start by at least this share.
 const SURE_SHARE: f64 = 0.96;
+
+/// Where the map says home is elsewhere, this many fits have to agree.
 const SEEN_HOME: usize = 4;
+
+/// Fits of the walls around the start are taken at places farther apart than this, m.
 const MOVED_M: f64 = 0.3;
+
+/// Fits of the walls around the start agree if their positions of home differ by less than this, m.
 const SAME_HOME_M: f64 = 0.5;
 
 /// After this many revolutions there, what cannot be compared is home, and what does not look like it is not.
@@ -37,54 +41,6 @@ const MOST_NEAR_HOME: u64 = 50;
 
 /// The way over free cells to what is in reach is no longer than this many times the distance; near walls it counts more.
 const MOST_DETOUR: f64 = 3.0;
-
-/// The vehicle left the start towards where it was this far from it first, m.
-const LEFT_M: f64 = 5.0;
-
-/// A way of the start that is farther than this from the direction in which the vehicle left is another one.
-const OTHER_WAY_RAD: f64 = 1.0;
-
-/// What the vehicle saw where it started, which is home.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Start {
-    look: Look,
-    /// Where the walls were seen from.
-    from_m: Vec<Point2<f64>>,
-    /// Of each revolution: how sure its place is, and the directions of the ways of a passage that are not seen to end.
-    open_rad: Vec<(f64, Vec<f64>)>,
-    has_left: bool,
-}
-
-impl Start {
-    /// Takes what is seen around the start, until the vehicle has left it.
-    fn add(&mut self, frame: &Frame, seen: Option<&Here>, pose: &Isometry2<f64>) {
-        let here_m = Point2::from(pose.translation.vector);
-        self.has_left |= here_m.coords.norm() > START_WITHIN_M;
-        if self.has_left {
-            return;
-        }
-        if self.from_m.iter().all(|from_m| (from_m - here_m).norm() >= START_EVERY_M) {
-            self.from_m.push(here_m);
-            self.look.add(frame, pose);
-        }
-        if let Some(here) = seen {
-            let is_passage = here.kind == HereKind::Passage;
-            let open = here.ways.iter().filter(|way| is_passage && way.opening.is_some());
-            let open_rad = open.map(|way| wrap_angle_rad(way.bearing_rad + pose.rotation.angle())).collect();
-            self.open_rad.push((here.confidence, open_rad));
-        }
-    }
-
-    /// Whether the start is in a passage that leads on behind the vehicle, whose trail this is.
-    pub(super) fn leads_on_behind(&self, trail_m: &[Point2<f64>]) -> bool {
-        let Some(left) = trail_m.iter().find(|place_m| place_m.coords.norm() > LEFT_M) else { return false };
-        let left_rad = left.y.atan2(left.x);
-        let is_other = |way_rad: &f64| wrap_angle_rad(way_rad - left_rad).abs() > OTHER_WAY_RAD;
-        let votes =
-            self.open_rad.iter().map(|(sure, open_rad)| if open_rad.iter().any(is_other) { *sure } else { -sure });
-        votes.sum::<f64>() > 0.0
-    }
-}
 
 impl Navigator {
     /// Whether the vehicle flies home and is there: by the walls in view, which lie as they did at the start. They also show how
@@ -154,7 +110,6 @@ pub(super) mod tests {
     use super::*;
     use crate::Limits;
     use crate::planner::planners;
-    use crosscut_flight::Way;
     use crosscut_stage::{Point, Revolution};
 
     pub(crate) fn navigator() -> Navigator {
@@ -208,21 +163,6 @@ pub(super) mod tests {
             assert_eq!((ends, navigator.is_elsewhere), (is_home, !is_home));
             let off_m = (navigator.correction * pose).translation.vector - nalgebra::Vector2::new(1.0, 0.5);
             assert!(!is_home || off_m.norm() < 0.1, "{off_m}: the map is corrected");
-        }
-    }
-
-    #[test]
-    fn a_start_in_a_passage_leads_on_behind_unless_its_end_is_seen() {
-        let way = |bearing_rad: f64, opening: Option<usize>| Way { bearing_rad, width_m: 3.0, opening };
-        let trail_m = [0.0, 3.0, 6.0].map(|x_m| Point2::new(x_m, 0.0));
-        for (kind, behind, leads_on) in
-            [(HereKind::Passage, Some(1), true), (HereKind::Passage, None, false), (HereKind::Junction, Some(1), false)]
-        {
-            let ways = vec![way(0.1, Some(0)), way(3.0, behind)];
-            let here = Here { kind, look_m: 4.5, ways, is_middle: false, confidence: 0.9 };
-            let mut start = Start::default();
-            start.add(&in_room(0.0, 0.0, [4.0, 3.0]), Some(&here), &Isometry2::identity());
-            assert_eq!(start.leads_on_behind(&trail_m), leads_on, "{kind:?} {behind:?}");
         }
     }
 }

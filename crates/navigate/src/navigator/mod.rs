@@ -5,6 +5,7 @@ mod at_place;
 mod deciding;
 mod following;
 mod homing;
+mod start;
 
 use std::f64::consts::PI;
 
@@ -12,7 +13,7 @@ use crosscut_flight::{FlightAnswer, HereKind, Mapper};
 use crosscut_stage::{Frame, wrap_angle_rad};
 use nalgebra::{Isometry2, Point2};
 
-use self::homing::Start;
+use self::start::Start;
 use crate::chart::{Chart, WayEnd};
 use crate::planner::Planner;
 use crate::steering::towards;
@@ -20,7 +21,7 @@ use crate::surround::Surround;
 use crate::trail::Trail;
 use crate::{Command, Limits};
 
-pub use answer::{Decision, End, Step};
+pub use answer::{MissionEnd, PilotStep, PlaceDecision};
 
 /// The vehicle turns back where it is free for less than this ahead, m.
 const BEFORE_FACE_M: f64 = 1.3;
@@ -150,7 +151,7 @@ impl Navigator {
     }
 
     /// The command after the next frame, which the flight has filled and the mapper has taken.
-    pub fn step(&mut self, frame: &Frame, mapper: &Mapper) -> Step {
+    pub fn step(&mut self, frame: &Frame, mapper: &Mapper) -> PilotStep {
         self.now += 1;
         let flown = FlightAnswer::of(frame);
         let Some(pose) = flown.pose else {
@@ -164,12 +165,12 @@ impl Navigator {
         self.follow_the_map(&pose, mapper);
         let steady = flown.steady_here();
         if self.is_home(frame, flown.here.as_ref(), &pose, mapper) {
-            return self.rests("is home", Some(End::Home));
+            return self.rests("is home", Some(MissionEnd::Home));
         }
         if let Some(home_m) = self.home_in_reach(here_m, &field) {
             self.goal_m = home_m;
             let (end, command) = (self.watch(here_m, mapper), towards(home_m, true, &field, &pose, &self.limits));
-            return Step { command, end, ..self.rests("goes home", None) };
+            return PilotStep { command, end, ..self.rests("goes home", None) };
         }
         let (mut decision, mut stops) = (None, false);
         match self.doing {
@@ -185,12 +186,12 @@ impl Navigator {
         }
         let end = self.watch(here_m, mapper);
         let command = towards(self.goal_m, stops, &field, &pose, &self.limits);
-        Step { command, goal_m: self.goal_m, correction: self.correction, doing: self.doing.name(), decision, end }
+        PilotStep { command, goal_m: self.goal_m, correction: self.correction, doing: self.doing.name(), decision, end }
     }
 
-    fn rests(&self, doing: &'static str, end: Option<End>) -> Step {
+    fn rests(&self, doing: &'static str, end: Option<MissionEnd>) -> PilotStep {
         let (command, goal_m, correction) = (Command::default(), self.goal_m, self.correction);
-        Step { command, goal_m, correction, doing, decision: None, end }
+        PilotStep { command, goal_m, correction, doing, decision: None, end }
     }
 
     fn move_to(&mut self, here_m: Point2<f64>) {
@@ -211,7 +212,7 @@ impl Navigator {
     }
 
     /// Whether the vehicle is stuck, or nothing new comes.
-    fn watch(&mut self, here_m: Point2<f64>, mapper: &Mapper) -> Option<End> {
+    fn watch(&mut self, here_m: Point2<f64>, mapper: &Mapper) -> Option<MissionEnd> {
         let (since, at_m) = self.progress;
         if (here_m - at_m).norm() > STUCK_M {
             self.progress = (self.now, here_m);
@@ -220,7 +221,7 @@ impl Navigator {
             self.progress = (self.now, here_m);
             self.stuck += 1;
             if self.stuck >= MOST_STUCK {
-                return Some(End::Stuck);
+                return Some(MissionEnd::Stuck);
             }
             match (self.doing, self.left) {
                 (Doing::Leave { .. }, Some(left)) => {
@@ -237,8 +238,8 @@ impl Navigator {
         self.limit()
     }
 
-    fn limit(&self) -> Option<End> {
+    fn limit(&self) -> Option<MissionEnd> {
         ((self.now - self.last_new) as f64 > LIMIT + LIMIT_PER_M * (self.map_m + self.farthest_m))
-            .then_some(End::GaveUp)
+            .then_some(MissionEnd::GaveUp)
     }
 }

@@ -1,7 +1,7 @@
 //! `depth_first`: on as long as there is a new way, then back to the place found last that has one.
 
-use super::{Choice, Planner, PlannerKind};
-use crate::known::Known;
+use super::{Planner, PlannerKind, WayChoice};
+use crate::known::PlannerMap;
 
 pub(super) const KIND: PlannerKind = PlannerKind {
     name: "depth_first",
@@ -12,8 +12,8 @@ pub(super) const KIND: PlannerKind = PlannerKind {
 struct DepthFirst;
 
 impl Planner for DepthFirst {
-    fn choose(&mut self, known: &Known) -> Option<Choice> {
-        if let Some(choice) = Choice::here(known) {
+    fn choose(&mut self, known: &PlannerMap) -> Option<WayChoice> {
+        if let Some(choice) = WayChoice::here(known) {
             return Some(choice);
         }
         // A place that cannot be reached is passed over.
@@ -23,6 +23,6 @@ impl Planner for DepthFirst {
             "back to place {}, {:.0} m away: found last of those with a way not taken",
             route.to, route.length_m
         );
-        Some(Choice { way: route.way, why })
+        Some(WayChoice { way: route.way, why })
     }
 }

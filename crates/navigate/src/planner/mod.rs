@@ -5,26 +5,26 @@ mod nearest_frontier;
 
 use crosscut_stage::wrap_angle_rad;
 
-use crate::known::{Known, WayState};
+use crate::known::{PlannerMap, WayState};
 
 /// Chooses ways.
 pub trait Planner: Send {
     /// The way of the present place to take next; `None` once nothing is left to explore: the vehicle then flies home.
-    fn choose(&mut self, known: &Known) -> Option<Choice>;
+    fn choose(&mut self, known: &PlannerMap) -> Option<WayChoice>;
 }
 
 /// The way to take.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Choice {
+pub struct WayChoice {
     /// Number of the way at the present place.
     pub way: usize,
     /// Why, in words.
     pub why: String,
 }
 
-impl Choice {
+impl WayChoice {
     /// The way of the present place that was not taken and is nearest to straight ahead.
-    fn here(known: &Known) -> Option<Self> {
+    fn here(known: &PlannerMap) -> Option<Self> {
         let way = known.straightest_new_way()?;
         let ways = &known.places[known.here].ways;
         let turn_deg = wrap_angle_rad(ways[way].bearing_rad - known.heading_rad).to_degrees();

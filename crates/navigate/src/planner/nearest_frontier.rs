@@ -1,7 +1,7 @@
 //! `nearest_frontier`: the new way that is nearest over the map.
 
-use super::{Choice, Planner, PlannerKind};
-use crate::known::Known;
+use super::{Planner, PlannerKind, WayChoice};
+use crate::known::PlannerMap;
 
 pub(super) const KIND: PlannerKind = PlannerKind {
     name: "nearest_frontier",
@@ -12,12 +12,12 @@ pub(super) const KIND: PlannerKind = PlannerKind {
 struct NearestFrontier;
 
 impl Planner for NearestFrontier {
-    fn choose(&mut self, known: &Known) -> Option<Choice> {
-        if let Some(choice) = Choice::here(known) {
+    fn choose(&mut self, known: &PlannerMap) -> Option<WayChoice> {
+        if let Some(choice) = WayChoice::here(known) {
             return Some(choice);
         }
         let route = known.route(|place| known.has_new_way(place))?;
         let why = format!("the nearest way not taken is {:.0} m ahead, at place {}", route.length_m, route.to);
-        Some(Choice { way: route.way, why })
+        Some(WayChoice { way: route.way, why })
     }
 }

@@ -4,6 +4,7 @@ use std::io;
 
 use crosscut_detector::{Config, Layer, Registry};
 use crosscut_pipeline::{StreamOptions, Summary, stream};
+use crosscut_stage::NoteCode::N101;
 use crosscut_stage::{
     Affinity, AffinityStage, Frame, Kind, KmeansStage, Notes, Number, ParamSpec, Partition, Point, Revolution, Source,
     SourceError, SpectralStage, Spectrum, StageError, Step,
@@ -40,7 +41,7 @@ impl AffinityStage for Failing {
         std::thread::sleep(std::time::Duration::from_micros(u64::from(r.seq.is_multiple_of(7)) * 500));
         self.act(x)?;
         out.weights.make_dense(1)[(0, 0)] = x; // and so its degree
-        notes.add(format!("affinity of {x}"));
+        notes.add(N101, format!("affinity of {x}"));
         Ok(())
     }
 }
@@ -50,10 +51,6 @@ impl SpectralStage for Failing {
         self.act(a.degrees[0])?;
         out.eigenvalues = vec![a.degrees[0]];
         Ok(())
-    }
-
-    fn memory_bytes(&self, n: usize, _: usize) -> u64 {
-        8 * (n * n) as u64
     }
 }
 

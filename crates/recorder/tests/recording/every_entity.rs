@@ -7,6 +7,7 @@ use crosscut_explain::{Explanation, Watch};
 use crosscut_recorder::RecorderOptions;
 use crosscut_recorder::schema::{ENTITIES, Entity, When};
 use crosscut_rrd::{Array, Numbers, Recording, Value};
+use crosscut_stage::NoteCode::N101;
 use crosscut_stage::{Beam, Embedding, Frame, Step, Verdict};
 use rerun::external::arrow::datatypes::{ArrowPrimitiveType, Float16Type};
 
@@ -31,7 +32,7 @@ fn flight() -> Vec<Frame> {
     let mut frames: Vec<Frame> = (0..6).map(frames::frame).collect();
     frames[1].junction.confidence = Some(0.2);
     frames[2] = frames::empty_frame(2);
-    frames[3].notes.add("3 beams masked");
+    frames[3].notes.add(N101, "3 beams masked");
     frames::make_sparse(&mut frames[4].affinity);
     frames.iter_mut().for_each(flight_map::fly);
     for frame in &mut frames {
@@ -224,9 +225,18 @@ fn text_comparison(entity: &str, component: &str) -> Option<fn(&Value, &Frame) -
     Some(match (entity, component) {
         ("/report/place", "StateChange:state") => |value, frame| is_text(value, &frame.junction.place.to_string()),
         ("/truth/json", _) => |value, _| is_text(value, TRUTH_JSON),
-        ("/scan/notes", _) => {
-            |value, frame| is_text(value, &frame.notes.of_revolution().collect::<Vec<_>>().join("\n"))
-        }
+        ("/scan/notes", _) => |value, frame| {
+            is_text(
+                value,
+                &frame
+                    .notes
+                    .of_revolution()
+                    .iter()
+                    .map(|(code, note)| format!("{code:?} {note}"))
+                    .collect::<Vec<_>>()
+                    .join("\n"),
+            )
+        },
         ("/report/why", _) => |value, frame| {
             let (why, color_of) = (Explanation::of(frame), |wall: u32| COLOURS[wall as usize]);
             let context = format!("tee.mcap, preset paper · revolution {}", frame.revolution.seq);

@@ -2,6 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use crosscut_stage::NoteCode::N101;
 use crosscut_stage::{
     Affinity, Beam, Evidence, Frame, Junction, Opening, Partition, Place, Point, Revolution, Spectrum, Step, Sweep,
     Wall, Weights,
@@ -42,7 +43,7 @@ pub(crate) fn empty_frame(seq: u64) -> Frame {
     sweep.beams = vec![Beam::NoReturn; BEAMS];
     frame.revolution = Revolution { seq, stamp_ns: stamp_ns(seq), sweep: Some(sweep), ..Revolution::default() };
     frame.spectrum.tolerance = TOLERANCE;
-    frame.notes.add("no beam came back");
+    frame.notes.add(N101, "no beam came back");
     frame
 }
 

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use crosscut_rrd::{Damage, ReadError, Recording, Row, Value};
 use crosscut_stage::Frame;
+use crosscut_stage::NoteCode::N101;
 use rerun::StoreKind;
 use rerun::external::arrow::ipc::root_as_message;
 use rerun::external::re_build_info::CrateVersion;
@@ -19,8 +20,8 @@ use crate::reading::record;
 fn flight(folder: &Path) -> (Vec<Frame>, PathBuf) {
     let mut frames: Vec<Frame> = (0..20).map(frames::frame).collect();
     frames[9] = frames::empty_frame(9);
-    frames[4].notes.add("first");
-    frames[4].notes.add("second");
+    frames[4].notes.add(N101, "first");
+    frames[4].notes.add(N101, "second");
     let path = folder.join("flight.rrd");
     record(&path, &frames);
     (frames, path)

@@ -4,6 +4,7 @@ use crosscut_ingest::{ReadOptions, Recording as Flight};
 use crosscut_recorder::Recorder;
 use crosscut_rrd::Recording;
 use crosscut_sensor::Sensor;
+use crosscut_stage::NoteCode::N101;
 use crosscut_stage::{Frame, Observer as _, Source as _};
 
 use crate::reading;
@@ -24,7 +25,7 @@ fn flown(flight: &str, topics: &[&str], path: &std::path::Path) -> Vec<Frame> {
             break;
         }
         frame.notes.begin_stages();
-        frame.notes.add("a stage's own");
+        frame.notes.add(N101, "a stage's own");
         recorder.observe(&frame).expect("it can be recorded");
         frames.push(frame);
     }
@@ -41,8 +42,7 @@ fn compare(flight: &str, topics: &[&str]) {
     assert_eq!(scans.len(), frames.len());
     for (scan, mut frame) in scans.into_iter().zip(frames) {
         frame.revolution.frame_id.clear();
-        let notes: Vec<&str> = scan.notes.iter().collect();
-        assert_eq!(notes, frame.notes.of_revolution().collect::<Vec<_>>());
+        assert_eq!(scan.notes.coded(), frame.notes.of_revolution());
         // Debug prints numbers so that they read back as the same bits; NaN as itself.
         assert_eq!(format!("{:?}", scan.revolution), format!("{:?}", frame.revolution), "{flight}");
     }

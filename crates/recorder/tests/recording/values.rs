@@ -4,6 +4,7 @@
 use std::collections::BTreeSet;
 
 use crosscut_explain::Explanation;
+use crosscut_stage::NoteCode::N101;
 use crosscut_stage::{Beam, Frame, Step, Weights};
 use faer::Mat;
 use rerun::external::image::GrayImage;
@@ -208,7 +209,7 @@ fn the_partition_reads_back() {
 #[test]
 fn the_answer_notes_and_timings_read_back() {
     let mut frame = frames::frame(2);
-    frame.notes.add("3 beams masked");
+    frame.notes.add(N101, "3 beams masked");
     let recording = recorded(std::slice::from_ref(&frame));
     assert_eq!(recording.scalar("/report/junctions", 2), Some(3.0));
     assert_eq!(recording.scalar("/report/confidence", 2), Some(0.97));

@@ -409,6 +409,7 @@ fn a_door_is_seen_through_until_walls_lose_as_many_beams() {
         let verdicts = [verdict(&revolution, 0.0, true), verdict(&revolution, 2.0, false)];
         let mut report = Params::defaults(PARAMS);
         report.set("openings", "between_walls").expect("there is such a rule");
+        report.set("island_m", 0.0).expect("allowed");
         let mut reporter = Reporter::new(&report, &Params::defaults(VEHICLE_PARAMS));
         let (mut junction, mut notes) = (Junction::default(), Notes::default());
         let spectrum = Spectrum::default();

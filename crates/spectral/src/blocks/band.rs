@@ -1,6 +1,5 @@
 //! One block's Laplacian as a band matrix, and its factorisation.
 
-use super::fiedler::ShiftInvert;
 use super::graph::Graph;
 use super::order::Order;
 use super::split::Split;
@@ -51,6 +50,42 @@ impl Band {
         // The entries after the block are below its columns, which have zeros there.
         self.entries.extend_from_slice(narrow.columns[span.start..span.end + NARROW].as_flattened());
     }
+
+    /// Solves (L - shift·I) x = `x` in place by a factorisation; the number of its negative pivots, which is returned,
+    /// is that of eigenvalues below the shift. `x` has n entries; longer parts are removed.
+    pub(crate) fn solve(&mut self, shift: f64, x: &mut Vec<f64>) -> usize {
+        let (n, stride) = (self.n, self.stride);
+        self.factor.resize(n * stride, 0.0);
+        x.resize(n + stride, 0.0);
+        let negative = match stride {
+            NARROW => solve_narrow::<NARROW>(&self.entries, shift, &mut self.factor, x),
+            WIDER => solve_narrow::<WIDER>(&self.entries, shift, &mut self.factor, x),
+            _ => {
+                self.factor.clone_from(&self.entries);
+                let negative = eliminate_wide(&mut self.factor, n, stride, shift, |i, column, inverse| {
+                    forward(&mut x[i..], column, inverse);
+                });
+                x[n..].fill(0.0);
+                let columns = self.factor.chunks_exact(stride).take(n).enumerate().rev();
+                columns.for_each(|(i, column)| backward(&mut x[i..], column));
+                negative
+            }
+        };
+        x.truncate(n);
+        negative
+    }
+
+    /// The number of eigenvalues below a shift, by the pivots alone.
+    pub(crate) fn count_below(&mut self, shift: f64) -> usize {
+        match self.stride {
+            NARROW => eliminate_narrow::<NARROW>(&self.entries, self.n, shift, |_, _, _| ()),
+            WIDER => eliminate_narrow::<WIDER>(&self.entries, self.n, shift, |_, _, _| ()),
+            stride => {
+                self.factor.clone_from(&self.entries);
+                eliminate_wide(&mut self.factor, self.n, stride, shift, |_, _, _| ())
+            }
+        }
+    }
 }
 
 /// The Laplacians of all blocks, one below the other: those whose edges are no longer than along a wall are whole.
@@ -87,41 +122,6 @@ impl NarrowBands {
     /// The longest edge of a block, in places, if that is too long: then the block is not whole.
     pub(crate) fn too_long(&self, block: usize) -> Option<usize> {
         Some(self.too_long[block]).filter(|&length| length > 0)
-    }
-}
-
-impl ShiftInvert for Band {
-    fn solve(&mut self, shift: f64, x: &mut Vec<f64>) -> Option<usize> {
-        let (n, stride) = (self.n, self.stride);
-        self.factor.resize(n * stride, 0.0);
-        x.resize(n + stride, 0.0);
-        let negative = match stride {
-            NARROW => solve_narrow::<NARROW>(&self.entries, shift, &mut self.factor, x),
-            WIDER => solve_narrow::<WIDER>(&self.entries, shift, &mut self.factor, x),
-            _ => {
-                self.factor.clone_from(&self.entries);
-                let negative = eliminate_wide(&mut self.factor, n, stride, shift, |i, column, inverse| {
-                    forward(&mut x[i..], column, inverse);
-                });
-                x[n..].fill(0.0);
-                let columns = self.factor.chunks_exact(stride).take(n).enumerate().rev();
-                columns.for_each(|(i, column)| backward(&mut x[i..], column));
-                negative
-            }
-        };
-        x.truncate(n);
-        Some(negative)
-    }
-
-    fn count_below(&mut self, shift: f64) -> Option<usize> {
-        Some(match self.stride {
-            NARROW => eliminate_narrow::<NARROW>(&self.entries, self.n, shift, |_, _, _| ()),
-            WIDER => eliminate_narrow::<WIDER>(&self.entries, self.n, shift, |_, _, _| ()),
-            stride => {
-                self.factor.clone_from(&self.entries);
-                eliminate_wide(&mut self.factor, self.n, stride, shift, |_, _, _| ())
-            }
-        })
     }
 }
 

@@ -1,18 +1,7 @@
 //! The second eigenvalue of a block, and its eigenvector: the Fiedler pair.
 
+use super::band::Band;
 use crate::dot::dot;
-
-/// The Laplacian of a block, of which L - shift·I can be factorised.
-pub(crate) trait ShiftInvert {
-    /// Solves (L - shift·I) x = `x` in place by a factorisation; the number of its negative pivots, which is returned,
-    /// is that of eigenvalues below the shift. `x` has n entries; longer parts are removed. `None` if there is
-    /// no factorisation at the shift, nor just beside it.
-    fn solve(&mut self, shift: f64, x: &mut Vec<f64>) -> Option<usize>;
-
-    /// The number of eigenvalues below a shift, by the pivots alone; `None` if there is no factorisation at it, nor just
-    /// beside it.
-    fn count_below(&mut self, shift: f64) -> Option<usize>;
-}
 
 /// The shift of the first step: L itself is singular.
 const FIRST_SHIFT: f64 = -1e-9;
@@ -56,11 +45,11 @@ impl Fiedler {
     /// and with shifts just below λ both approach it, as fast as Rayleigh quotient iteration does; where a shift turns
     /// out to be above λ, the next one halves what is between. Both are returned once the upper one has converged
     /// and two digits of it are proved, or once the two differ by rounding alone; `None` if they do not come that near.
-    pub(crate) fn find(&mut self, matrix: &mut dyn ShiftInvert, zero: &[f64]) -> Option<Between> {
+    pub(crate) fn find(&mut self, matrix: &mut Band, zero: &[f64]) -> Option<Between> {
         self.start(zero);
         let rounding = ROUNDING * zero.len() as f64;
         let (mut below, mut above) = (FIRST_SHIFT, f64::INFINITY);
-        matrix.solve(below, &mut self.solution)?;
+        matrix.solve(below, &mut self.solution);
         let mut estimate = self.step(zero, below);
         for _ in 0..MOST_STEPS {
             let upper = estimate.quotient.min(above);
@@ -72,7 +61,7 @@ impl Fiedler {
             let guess = upper - 2.0 * estimate.error - rounding;
             let shift = if is_of_lambda && guess > below { guess } else { 0.5 * (below + upper) };
             self.solution.clone_from(&self.vector);
-            if matrix.solve(shift, &mut self.solution)? > 1 {
+            if matrix.solve(shift, &mut self.solution) > 1 {
                 above = shift;
             } else {
                 below = shift;

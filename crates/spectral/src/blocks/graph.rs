@@ -2,19 +2,14 @@
 
 use crosscut_stage::{Affinity, Csr, StageError, Weights};
 
-use super::twins::Twins;
-
-/// W and D of sound affinities; of twins together, if there are any (see [`Twins`]).
+/// W and D of a sound affinity.
 #[derive(Clone, Copy)]
 pub(crate) struct Graph<'a> {
     /// W, by rows.
     pub(crate) edges: &'a Csr,
     pub(crate) degrees: &'a [f64],
     /// The diagonal of D^-1/2.
-    pub(crate) inverse_sqrt_degrees: &'a [f64],
-    /// The diagonal of W: the number of returns of each node.
-    pub(crate) sizes: &'a [f64],
-    pub(crate) node_of_return: &'a [u32],
+    inverse_sqrt_degrees: &'a [f64],
 }
 
 /// The buffers of a graph.
@@ -23,23 +18,19 @@ pub(crate) struct GraphBuffers {
     inverse_sqrt_degrees: Vec<f64>,
     /// Those of a dense W.
     edges: Csr,
-    twins: Twins,
 }
 
 impl GraphBuffers {
-    /// The graph of an affinity whose degrees are sound. Twins add no zero below `tolerance`.
+    /// The graph of an affinity whose degrees are sound.
     ///
     /// # Errors
     /// When a weight is not finite.
-    pub(crate) fn graph<'a>(&'a mut self, affinity: &'a Affinity, tolerance: f64) -> Result<Graph<'a>, StageError> {
-        let Self { inverse_sqrt_degrees, edges: buffer, twins } = self;
-        let returns = (edges(&affinity.weights, buffer)?, &affinity.degrees[..]);
-        let found = twins.find(returns.0, returns.1, tolerance);
-        let (edges, degrees) = if found { twins.quotient() } else { returns };
+    pub(crate) fn graph<'a>(&'a mut self, affinity: &'a Affinity) -> Result<Graph<'a>, StageError> {
+        let Self { inverse_sqrt_degrees, edges: buffer } = self;
+        let (edges, degrees) = (edges(&affinity.weights, buffer)?, &affinity.degrees[..]);
         inverse_sqrt_degrees.clear();
         inverse_sqrt_degrees.extend(degrees.iter().map(|degree| degree.sqrt().recip()));
-        let (sizes, node_of_return) = (twins.sizes(), twins.node_of_return());
-        Ok(Graph { edges, degrees, inverse_sqrt_degrees, sizes, node_of_return })
+        Ok(Graph { edges, degrees, inverse_sqrt_degrees })
     }
 }
 
@@ -61,13 +52,7 @@ impl Graph<'_> {
     #[inline]
     pub(crate) fn diagonal(&self, i: usize, leak: f64) -> f64 {
         let inverse_degree = self.inverse_sqrt_degrees[i] * self.inverse_sqrt_degrees[i];
-        1.0 - leak * inverse_degree - self.sizes[i] * inverse_degree
-    }
-
-    /// The least of the eigenvalues whose eigenvectors differ on twins, if there are any.
-    pub(crate) fn least_of_twins(&self) -> Option<f64> {
-        let twins = self.sizes.iter().zip(self.degrees).filter(|(size, _)| **size > 1.0);
-        twins.map(|(size, degree)| 1.0 - size / degree).min_by(f64::total_cmp)
+        1.0 - leak * inverse_degree - inverse_degree
     }
 }
 

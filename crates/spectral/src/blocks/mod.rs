@@ -4,32 +4,27 @@ mod band;
 mod fiedler;
 mod graph;
 mod order;
-mod sparse;
 mod split;
-mod twins;
 
-use crosscut_stage::{Affinity, Embedding, Kind, Notes, Number, SpectralStage, Spectrum, StageError};
+use crosscut_stage::NoteCode::{N071, N072};
+use crosscut_stage::{Affinity, Embedding, Kind, Notes, SpectralStage, Spectrum, StageError};
 
 use crate::degrees::check_degrees;
 use crate::faer_evd::FaerEvd;
-use crate::laplacian::dense_bytes;
 use crate::zeros::ZERO_TOLERANCE;
 use band::{Band, NarrowBands};
-use fiedler::{Fiedler, ShiftInvert};
-use graph::{Edge, Graph, GraphBuffers};
+use fiedler::Fiedler;
+use graph::{Graph, GraphBuffers};
 use order::Order;
-use sparse::{MOST_BYTES, Sparse};
 use split::Split;
 
-const WEAK_LINK: Number = Number::new("weak_link", "", 1e-3).from(0.0).to(1.0).follows("affinity.leak", 1e5).doc(
-    "edges of W_ij / √(D_ii D_jj) below it are set aside and their effect is computed, if that leaves zeros; 0: none",
-);
+/// Edges of W_ij / √(D_ii D_jj) below this are set aside and their effect is computed, if that leaves zeros.
+const WEAK_LINK: f64 = 1e-3;
 
-/// Blocks with longer edges, in the best order of their returns that was found, go through the sparse factorisation.
+/// Blocks with longer edges, in the best order of their returns that was found, are decomposed in full.
 const WIDEST_BAND: usize = 64;
-const BYTES_PER_RETURN: u64 = 512;
-/// Each edge is two entries of W, and is held in a list that doubles as it grows; the entries of a dense W are copied.
-const BYTES_PER_ENTRY: u64 = (size_of::<Edge>() + size_of::<f64>() + size_of::<u32>()) as u64;
+/// A full decomposition of more rows, which would take 0.7 GB, is refused.
+const MOST_DECOMPOSED: usize = 4096;
 
 /// The solver of sparse graphs.
 pub const KIND: Kind<dyn SpectralStage> = Kind::spectral(
@@ -39,14 +34,13 @@ pub const KIND: Kind<dyn SpectralStage> = Kind::spectral(
         let tolerance = params.get(ZERO_TOLERANCE);
         Box::new(Blocks {
             tolerance,
-            weak_link: params.get(WEAK_LINK),
             graph: GraphBuffers::default(),
             solver: Solver::default(),
             full: FaerEvd::new(tolerance),
         })
     },
 )
-.params(&[ZERO_TOLERANCE.spec, WEAK_LINK.spec])
+.params(&[ZERO_TOLERANCE.spec])
 .stays_sparse();
 
 /// Without its weak edges, L is block diagonal: L_0. A block B of L_0 has the eigenvalue 0, with the eigenvector D^1/2 1_B /
@@ -57,22 +51,20 @@ pub const KIND: Kind<dyn SpectralStage> = Kind::spectral(
 ///
 /// Weak edges lift the zeros of the m blocks to the eigenvalues θ of the graph of blocks (m×m), which are the ones
 /// reported. All are below τ, and λ_m <= θ_m < τ <= μ <= λ_m+1, where μ is the least of the blocks' next eigenvalues: k
-/// = m is proved, not estimated. [`Spectrum::zeros_bound`] and [`Spectrum::span_bound`] bound the errors of θ and U.
-/// The columns of U are those of the blocks, an orthonormal basis of what the eigenvectors of the zeros span.
+/// = m is proved, not estimated. With Z the columns of U and r = ‖LZ - Z(ZᵀLZ)‖, θ is too high by r² / (μ - θ_m) at most,
+/// and the span is off by the sine r / (μ - θ_m) at most (Davis, Kahan). The columns of U are those of the blocks, an orthonormal basis of what the eigenvectors of the zeros span.
 ///
 /// A block with an eigenvalue below τ beside its zero (one wall that is almost two, but not along weak edges) is decomposed
-/// in full, with a note, together with its weak edges.
-///
-/// Returns with the same edges, of which a cloud has many, are first taken together, which changes no eigenvalue.
+/// in full, with a note, together with its weak edges; and so is a block whose edges are long in every order of its
+/// returns, as no wall's are.
 struct Blocks {
     tolerance: f64,
-    weak_link: f64,
     graph: GraphBuffers,
     solver: Solver,
     full: FaerEvd,
 }
 
-/// A block that has more zeros than one, decomposed in full.
+/// A block that may have more zeros than one, decomposed in full.
 struct Decomposed {
     block: usize,
     /// Its returns, ascending.
@@ -89,17 +81,14 @@ impl Decomposed {
         block: usize,
         notes: &mut Notes,
     ) -> Result<Self, StageError> {
-        let bytes = full.memory_bytes(members.len(), 0).saturating_add(dense_bytes(members.len()));
-        if bytes > MOST_BYTES {
+        if members.len() > MOST_DECOMPOSED {
             return Err(StageError::TooLarge(format!(
-                "a component of {} returns may have several eigenvalues below the tolerance, and would need {} MB to be decomposed \
-                 in full, more than {} MB: choose a smaller spectral.zero_tolerance",
+                "a component of {} returns is no wall, and of more than {MOST_DECOMPOSED} it is not decomposed in full: choose \
+                 spectral.kind = \"components\", or a sparser affinity",
                 members.len(),
-                bytes.div_ceil(1 << 20),
-                MOST_BYTES >> 20
             )));
         }
-        notes.add(format!("blocks: a component of {} returns by full decomposition", members.len()));
+        notes.add(N071, format!("blocks: a component of {} returns by full decomposition", members.len()));
         let mut spectrum = Spectrum::default();
         full.spectrum(&part_of(affinity, &members), &mut spectrum, notes)?;
         Ok(Self { block, members, spectrum })
@@ -113,12 +102,11 @@ struct Solver {
     order: Order,
     narrow: NarrowBands,
     band: Band,
-    sparse: Sparse,
     fiedler: Fiedler,
     zero: Vec<f64>,
     /// The least of the next eigenvalues of the blocks that have one zero.
     next: Option<f64>,
-    /// Blocks with more zeros than one, ascending.
+    /// Blocks to be decomposed in full, ascending.
     several: Vec<usize>,
 }
 
@@ -136,15 +124,18 @@ impl Solver {
             if self.order.members(block).len() == 1 {
                 continue;
             }
-            let Self { split, order, narrow, band, sparse, fiedler, zero, .. } = self;
-            let laplacian = matrix_of_block(graph, split, order, block, (narrow, band, sparse))?;
-            if self.next.is_some_and(|next| laplacian.count_below(next).is_some_and(|below| below <= 1)) {
+            let Self { split, order, narrow, band, fiedler, zero, .. } = self;
+            if !form_band(graph, split, order, block, narrow, band) {
+                self.several.push(block);
+                continue;
+            }
+            if self.next.is_some_and(|next| band.count_below(next) <= 1) {
                 continue;
             }
             let volume = split.volumes()[block];
             zero.clear();
             zero.extend(order.members(block).iter().map(|&i| (graph.degrees[i as usize] / volume).sqrt()));
-            match fiedler.find(laplacian, zero) {
+            match fiedler.find(band, zero) {
                 Some(next) if next.lower >= tolerance => {
                     self.next = Some(self.next.map_or(next.upper, |least| least.min(next.upper)));
                 }
@@ -155,23 +146,23 @@ impl Solver {
         Ok(())
     }
 
-    /// The returns of a block.
-    fn members(&self, graph: &Graph<'_>, block: usize) -> Vec<u32> {
-        let block_of_node = self.split.block_of_return();
-        let nodes = (0..).zip(graph.node_of_return);
-        nodes.filter(|&(_, &node)| block_of_node[node as usize] as usize == block).map(|(i, _)| i).collect()
+    /// The returns of a block, ascending.
+    fn members(&self, block: usize) -> Vec<u32> {
+        let mut members = self.order.members(block).to_vec();
+        members.sort_unstable();
+        members
     }
 
     /// Writes U of returns of these degrees: one column for each block, in their order, or those of `decomposed`,
     /// ascending.
-    fn embed(&self, graph: &Graph<'_>, degrees: &[f64], decomposed: &[Decomposed], u: &mut Embedding) {
+    fn embed(&self, degrees: &[f64], decomposed: &[Decomposed], u: &mut Embedding) {
         let mut first: Vec<u32> = (0..self.split.len() as u32).collect();
         for Decomposed { block, spectrum, .. } in decomposed {
             first[block + 1..].iter_mut().for_each(|first| *first += spectrum.k as u32 - 1);
         }
         let columns = self.split.len() + decomposed.iter().map(|block| block.spectrum.k - 1).sum::<usize>();
         u.write_rows(degrees.len(), columns, |i, row| {
-            let block = self.split.block_of_return()[graph.node_of_return[i] as usize] as usize;
+            let block = self.split.block_of_return()[i] as usize;
             match decomposed.iter().find(|other| other.block == block) {
                 Some(Decomposed { members, spectrum, .. }) => {
                     let rank = members.binary_search(&(i as u32)).expect("a return is in its block");
@@ -181,38 +172,27 @@ impl Solver {
             }
         });
     }
-
-    /// Bounds on the errors of the zeros and their span by the edges that were set aside.
-    fn bounds(&self, degrees: &[f64], zeros: &[f64], next: Option<f64>) -> (f64, f64) {
-        let split = &self.split;
-        // Without a next eigenvalue the columns of Z span everything, and nothing is neglected.
-        let (true, Some(next), Some(largest)) = (split.has_weak_edges(), next, zeros.last()) else { return (0.0, 0.0) };
-        let (coupling, gap) = (split.coupling(degrees), next - largest);
-        // No eigenvalue is negative.
-        ((coupling * coupling / gap).min(*largest), (coupling / gap).min(1.0))
-    }
 }
 
-/// The Laplacian of a block, the edges to others set aside: a band, or sparse if the block's edges are long in every
-/// order that was found.
-fn matrix_of_block<'a>(
+/// Forms the Laplacian of a block, the edges to others set aside, as a band; whether it is narrow enough.
+fn form_band(
     graph: &Graph<'_>,
     split: &Split,
     order: &mut Order,
     block: usize,
-    (narrow, band, sparse): (&NarrowBands, &'a mut Band, &'a mut Sparse),
-) -> Result<&'a mut dyn ShiftInvert, StageError> {
+    narrow: &NarrowBands,
+    band: &mut Band,
+) -> bool {
     let Some(longest) = narrow.too_long(block) else {
         band.copy_narrow(narrow, order, block);
-        return Ok(band);
+        return true;
     };
     let longest = order.shorten(graph, block, longest);
-    if longest <= WIDEST_BAND {
-        band.form(graph, split.leaks(), order, block, longest);
-        return Ok(band);
+    if longest > WIDEST_BAND {
+        return false;
     }
-    sparse.form(graph, split.leaks(), order, block)?;
-    Ok(sparse)
+    band.form(graph, split.leaks(), order, block, longest);
+    true
 }
 
 /// The graph of some returns alone.
@@ -235,17 +215,17 @@ impl SpectralStage for Blocks {
     fn spectrum(&mut self, affinity: &Affinity, out: &mut Spectrum, notes: &mut Notes) -> Result<(), StageError> {
         check_degrees(affinity)?;
         let degrees = &affinity.degrees;
-        let Self { tolerance, weak_link, ref mut graph, ref mut solver, ref mut full } = *self;
-        let graph = graph.graph(affinity, tolerance)?;
-        solver.solve(&graph, weak_link, tolerance)?;
+        let Self { tolerance, ref mut graph, ref mut solver, ref mut full } = *self;
+        let graph = graph.graph(affinity)?;
+        solver.solve(&graph, WEAK_LINK, tolerance)?;
         if solver.split.has_weak_edges() && !solver.several.is_empty() {
-            notes.add("blocks: no edge set aside, as a wall between weak edges is itself almost two");
+            notes.add(N072, "blocks: no edge set aside, as a wall between weak edges is itself almost two");
             solver.solve(&graph, 0.0, tolerance)?;
         }
         let several = solver.several.iter();
-        let decompose = |&block| Decomposed::new(full, affinity, solver.members(&graph, block), block, notes);
+        let decompose = |&block| Decomposed::new(full, affinity, solver.members(block), block, notes);
         let decomposed: Vec<Decomposed> = several.map(decompose).collect::<Result<_, _>>()?;
-        solver.embed(&graph, degrees, &decomposed, &mut out.u);
+        solver.embed(degrees, &decomposed, &mut out.u);
 
         out.k = out.u.ncols();
         out.tolerance = tolerance;
@@ -256,17 +236,9 @@ impl SpectralStage for Blocks {
         out.eigenvalues.resize(out.k, 0.0);
         out.eigenvalues.sort_unstable_by(f64::total_cmp);
         let others = spectra().filter_map(|spectrum| spectrum.eigenvalues.get(spectrum.k).copied());
-        let next = others.chain(solver.next).chain(graph.least_of_twins()).min_by(f64::total_cmp);
-        (out.zeros_bound, out.span_bound) = solver.bounds(graph.degrees, &out.eigenvalues, next);
+        let next = others.chain(solver.next).min_by(f64::total_cmp);
         out.eigenvalues.extend(next);
         out.margin_decades = Spectrum::tolerance_margin_decades(&out.eigenvalues, degrees.len(), out.k, tolerance);
         Ok(())
-    }
-
-    fn memory_bytes(&self, n: usize, stored: usize) -> u64 {
-        // Buffers of a few numbers a return, and of the edges. What the graph of blocks, a factor or the full
-        // decomposition of a block takes beyond that is refused where it is known, if it is too much.
-        let of_edges = (stored as u64).saturating_mul(BYTES_PER_ENTRY);
-        (n as u64).saturating_mul(BYTES_PER_RETURN).saturating_add(of_edges)
     }
 }

@@ -3,11 +3,10 @@
 use crosscut_stage::{DisjointSets, StageError};
 use faer::Mat;
 
+use super::MOST_DECOMPOSED;
 use super::graph::{Edge, Graph};
-use super::sparse::MOST_BYTES;
 use crate::decomposition::Decomposition;
 use crate::degrees::sum_volumes;
-use crate::laplacian::dense_bytes;
 
 /// The returns in m blocks, each connected by edges that are not weak, and the weak edges between them.
 ///
@@ -124,21 +123,6 @@ impl Split {
         &self.eigenvalues
     }
 
-    /// r = ‖EZ‖, or a little more. Row i of EZ, of a return in block A, has the norm²
-    /// (s² / vol A + Σ_B s_B² / vol B) / D_ii, s_B what its edges to block B weigh, s = Σ s_B.
-    pub(crate) fn coupling(&self, degrees: &[f64]) -> f64 {
-        let per_edge = |edge: &Edge| {
-            let half = |near: u32, far: u32| {
-                let volume = |i: u32| self.volumes[self.block_of_return[i as usize] as usize];
-                // s_B² <= s·s_B.
-                let both = volume(near).recip() + volume(far).recip();
-                edge.weight * self.leaks[near as usize] * both / degrees[near as usize]
-            };
-            half(edge.from, edge.to) + half(edge.to, edge.from)
-        };
-        self.between.iter().map(per_edge).sum::<f64>().sqrt()
-    }
-
     /// Joins the returns of edges that are not weak, and keeps the others.
     fn cut(&mut self, graph: &Graph<'_>, weak: f64) {
         let n = graph.degrees.len();
@@ -185,13 +169,10 @@ impl Split {
                 linked += 1;
             }
         }
-        let bytes = dense_bytes(linked).saturating_add(Decomposition::memory_bytes(linked));
-        if bytes > MOST_BYTES {
+        if linked > MOST_DECOMPOSED {
             return Err(StageError::TooLarge(format!(
-                "the graph of {linked} blocks with weak edges between them would need {} MB, more than {} MB: set \
-                 spectral.weak_link = 0, or choose an affinity without weak edges",
-                bytes >> 20,
-                MOST_BYTES >> 20
+                "a graph of {linked} blocks with weak edges between them, more than {MOST_DECOMPOSED}, is not decomposed: \
+                 choose an affinity without weak edges"
             )));
         }
         self.quotient.resize_with(linked, linked, |_, _| 0.0);

@@ -5,12 +5,12 @@ mod envelope;
 mod krylov;
 mod normalised;
 
+use crosscut_stage::NoteCode::N070;
 use crosscut_stage::{Affinity, Count, Kind, Notes, SpectralStage, Spectrum, StageError, Weights};
 use faer::Mat;
 
 use crate::decomposition::Decomposition;
 use crate::embedding::sign_of_largest;
-use crate::laplacian::dense_bytes;
 use crate::zeros::{ZERO_TOLERANCE, count_zeros};
 use connected::Unseen;
 use envelope::Envelope;
@@ -109,7 +109,7 @@ impl Slicing {
                 Ok(None) | Err(StageError::NoConvergence { .. }) => {}
                 Err(error) => return Err(error),
             }
-            notes.add(format!("slicing: {n} connected returns by full decomposition"));
+            notes.add(N070, format!("slicing: {n} connected returns by full decomposition"));
         }
         let mut all = Vec::new();
         full.decompose(l.form(&members).as_ref(), &mut all)?;
@@ -150,12 +150,6 @@ impl SpectralStage for Slicing {
             }
         }
         self.assemble(&parts, affinity.degrees.len(), out)
-    }
-
-    fn memory_bytes(&self, n: usize, _: usize) -> u64 {
-        // A copy of W if it is sparse, the factor of L, and at worst L and what a full decomposition takes; the rest is
-        // a few columns.
-        dense_bytes(n).saturating_mul(3).saturating_add(Decomposition::memory_bytes(n))
     }
 }
 

@@ -10,10 +10,10 @@ use crate::cli::InputArgs;
 use crate::fly::{Flight, Judge};
 
 /// What was lost of the flight when it was read last.
-pub(in crate::commands) type Lost = Rc<RefCell<Vec<String>>>;
+pub(super) type Lost = Rc<RefCell<Vec<String>>>;
 
 /// Reads the scans that `input` selects, as often as it is asked to.
-pub(in crate::commands) fn reader(input: InputArgs) -> (Reader, Lost) {
+pub(super) fn reader(input: InputArgs) -> (Reader, Lost) {
     let lost = Lost::default();
     let to_lost = Rc::clone(&lost);
     let read = move |config: &Config| {

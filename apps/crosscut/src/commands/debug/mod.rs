@@ -15,7 +15,6 @@ mod viewing;
 use std::io::{self, IsTerminal as _};
 use std::path::{Path, PathBuf};
 
-use anyhow::Context as _;
 use crosscut_debugger::{Refused, Reply, Session};
 use crosscut_detector::{Layer, Registry};
 
@@ -106,7 +105,7 @@ pub(crate) fn debug(args: DebugArgs, registry: &Registry, kinds: Option<&dyn Kin
     let mut diagnostics = Diagnostics::default();
     diagnostics.lost_all(lost.borrow().iter());
     let is_terminal = !args.json && io::stdin().is_terminal() && io::stdout().is_terminal();
-    let interrupt = CommandInterrupt::listen(session.stop(), is_terminal).context("cannot listen for Ctrl-C")?;
+    let interrupt = CommandInterrupt::listen(session.stop(), is_terminal)?;
     let viewing =
         if has_view { Viewing::open(&name, &preset).map_err(|error| diagnostics.lost(error)).ok() } else { None };
     let mut debugger = Debugger { interrupt, session, kinds, outside: Outside { name, read }, viewing };

@@ -79,7 +79,7 @@ fn parts(flown: &Flown) -> [String; 3] {
         1 => "1 crash".to_owned(),
         several => format!("{several} crashes"),
     };
-    let why = match flown.end.map(crosscut_navigate::End::name) {
+    let why = match flown.end.map(crosscut_navigate::MissionEnd::name) {
         Some("stuck") => "; it could not get on".to_owned(),
         Some("gave_up") => format!("; it found nothing new for too long: it would need {}", needed(flown)),
         None => "; it was stopped".to_owned(),

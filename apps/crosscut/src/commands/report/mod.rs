@@ -6,7 +6,7 @@ mod places;
 
 use crosscut_detector::Registry;
 use crosscut_evaluate::Evaluation;
-use crosscut_flight::{Mapper, NoPlace, Seen};
+use crosscut_flight::{MapDrawing, Mapper, NoPlace};
 use crosscut_outfile::Keep;
 use crosscut_stage::Frame;
 
@@ -28,7 +28,7 @@ struct Shown {
     course: Course,
     mapper: Mapper,
     no_place: NoPlace,
-    seen: Seen,
+    seen: MapDrawing,
     places: Places,
     /// Against the truth, if the recording has one.
     evaluation: Evaluation,

@@ -94,7 +94,7 @@ fn cheapest_of_all_m(walls: &[Wall]) -> f64 {
 /// The width of the vehicle, from 0.6 m on, at which there are no longer as many walls.
 fn closes_at_m(scan: &Revolution, walls: usize) -> f64 {
     let has_all = |width_m: &f64| {
-        let sizes = components(scan, &[("passage_m", (*width_m).into())]);
+        let sizes = components(scan, &[("width_m", (*width_m).into())]);
         sizes.iter().filter(|size| **size >= LEAST_RETURNS).count() == walls
     };
     let widths_m = (0..).map(|step| 0.6 * 1.02f64.powi(step)).take_while(|width_m| *width_m < 30.0);

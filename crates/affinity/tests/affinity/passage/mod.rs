@@ -137,22 +137,22 @@ fn a_tunnel_is_two_walls_a_dead_end_one_and_a_crossing_four() {
 #[test]
 fn a_piece_too_small_for_a_wall_is_one_if_the_end_of_the_view_cuts_it() {
     let in_view_from_behind = |stub: Segment| {
-        let mut revolution = scan(&[[[3.0, -2.0], [3.0, 2.0]], stub], all);
+        let mut revolution = scan_by(1200, &[[[3.0, -2.0], [3.0, 2.0]], stub], all);
         revolution.sweep.as_mut().expect("a sweep").full_turn = false;
-        components(&revolution, &[("wall_deg", Value::Number(10.0))])
+        components(&revolution, &[])
     };
-    assert_eq!(in_view_from_behind([[-3.0, -0.26], [-3.0, 0.0]]), [68, 5]);
-    assert_eq!(in_view_from_behind([[-3.0, -0.76], [-3.0, -0.5]])[1], 1, "seen whole");
+    // A wall has 10 returns: as many beams as there are in 3°.
+    assert_eq!(in_view_from_behind([[-3.0, -0.08], [-3.0, 0.0]])[1..], [5]);
+    assert_eq!(in_view_from_behind([[-3.0, -0.24], [-3.0, -0.16]])[1], 1, "seen whole");
 }
 
 #[test]
 fn a_few_returns_amid_a_limited_view_are_no_wall_though_the_view_ends_without_a_lost_beam() {
     let corners = [[-3.0, -3.0], [3.0, -3.0], [3.0, 3.0], [-3.0, 3.0], [-3.0, -3.0]];
     let room: Vec<Segment> = corners.windows(2).map(|pair| [pair[0], pair[1]]).collect();
-    let mut revolution = scan(&[&room[..], &[[[1.2, -0.04], [1.2, 0.04]]]].concat(), all);
+    let mut revolution = scan_by(1200, &[&room[..], &[[[1.2, -0.02], [1.2, 0.02]]]].concat(), all);
     revolution.sweep.as_mut().expect("a sweep").full_turn = false;
-    let settings = [("wall_deg", Value::Number(10.0)), ("island_m", Value::Number(0.0))];
-    assert_eq!(components(&revolution, &settings), [360]);
+    assert_eq!(components(&revolution, &[("island_m", Value::Number(0.0))]), [1200]);
 }
 
 #[test]
@@ -173,10 +173,9 @@ fn dust_and_the_vehicle_itself_have_no_edges() {
     let sizes = components(&hidden, &[]);
     assert_eq!((sizes.len(), sizes.iter().filter(|size| **size == 1).count()), (2 + 20, 20), "{sizes:?}");
     let mut notes = Notes::default();
-    let narrow = [("passage_m", Value::Number(0.5))];
+    let narrow = [("width_m", Value::Number(0.5))];
     KIND.with(&narrow).expect("allowed").affinity(&hidden, &mut Affinity::default(), &mut notes).expect("a scan");
-    let told = "passage: 20 returns within the vehicle, nearer than 0.25 m (half of affinity.passage_m, which is \
-                vehicle.width_m unless it is set), ignored";
+    let told = "passage: 20 returns within the vehicle, nearer than 0.25 m (half of vehicle.width_m), ignored";
     assert_eq!(notes.iter().collect::<Vec<_>>(), [told]);
 }
 
@@ -207,7 +206,7 @@ fn beams_that_do_not_match_the_returns_are_an_error_whichever_way_the_message_ru
 
 #[test]
 fn a_number_out_of_range_is_refused_by_its_name() {
-    for (name, bad) in [("passage_m", 0.0), ("straight_deg", 181.0), ("stretch_m", -1.0), ("island_m", f64::NAN)] {
+    for (name, bad) in [("width_m", 0.0), ("leak", 1.5), ("island_m", f64::NAN)] {
         let refused = KIND.with(&[(name, Value::Number(bad))]).err().expect("must be refused");
         assert_eq!(refused.name, name);
     }

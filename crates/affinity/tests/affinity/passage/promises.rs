@@ -54,7 +54,7 @@ fn scene_vehicle_and_lengths_scaled_together_have_the_same_walls() {
     for (name, scene) in scenes() {
         let revolution = scan_as_far_as(15.0, 360, &scene, all);
         for times in [0.5, 2.0] {
-            let lengths = [("passage_m", 0.6), ("stretch_m", 0.85), ("island_m", 2.0)];
+            let lengths = [("width_m", 0.6), ("island_m", 2.0)];
             let settings = lengths.map(|(length, metres)| (length, Value::Number(times * metres)));
             let scaled = components(&larger(&revolution, times), &settings);
             assert_eq!(scaled, components(&revolution, &[]), "{name}, {times} times as large");

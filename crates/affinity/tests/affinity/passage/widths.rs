@@ -9,7 +9,7 @@ use crate::components;
 /// are asked for.
 fn count_at(width_m: f64, scan: &Revolution, widths: bool) -> (usize, Option<[f64; 2]>) {
     let mut affinity = Affinity::default();
-    let mut stage = KIND.with(&[("passage_m", width_m.into()), ("widths", widths.into())]).expect("allowed");
+    let mut stage = KIND.with(&[("width_m", width_m.into()), ("widths", widths.into())]).expect("allowed");
     stage.affinity(scan, &mut affinity, &mut Notes::default()).expect("a scan");
     let wall_of_return = components(&affinity, LEAK);
     let is_wall = |root: usize| wall_of_return.iter().filter(|other| **other == root).count() > 1;

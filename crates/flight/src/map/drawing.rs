@@ -19,7 +19,7 @@ const WALLS_WITHIN_M: f64 = 12.0;
 
 /// Where the vehicle was, and the walls that it saw.
 #[derive(Clone, Debug, Default)]
-pub struct Seen {
+pub struct MapDrawing {
     path: Vec<Anchored>,
     /// Where each stretch of the path begins, and its number.
     stretches: Vec<(usize, u32)>,
@@ -31,7 +31,7 @@ pub struct Seen {
     walls_from: Option<Point2<f64>>,
 }
 
-impl Seen {
+impl MapDrawing {
     /// Takes the next frame, after `mapper` took it. A frame without a pose is passed over.
     pub fn add(&mut self, frame: &Frame, mapper: &Mapper) {
         let is_unsure = self.unsure.after(frame.junction.confidence);

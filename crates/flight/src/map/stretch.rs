@@ -1,61 +1,40 @@
 //! Where a stretch of the flight lies to which no known way leads: where several of its visits agree on it.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::Arc;
 
 use nalgebra::{Isometry2, Point2};
 
-use super::Mapper;
-use super::flown::Flown;
-use super::outline::Walls;
-use super::recognise::{ANCHORS_M, Candidate, turns_rad};
-use crate::HereKind;
+use super::candidate::{ANCHORS_M, Candidate, turns_rad};
+use super::draft::{Draft, Guess, Stray};
+use super::legs::{Leg, groups};
 
 /// A place to which no known way leads is thought of from this share on.
 const GUESSED_SHARE: f64 = 0.85;
 
-/// This many other places have to agree, and this many more than on the stretch lying elsewhere: along a row of places that look
-/// alike, shifted by one, all but one agree.
+/// A placement of a stretch needs this many other places in support.
 const AGREED_PLACES: usize = 2;
+
+/// A placement of a stretch needs this many more places in support than any rival: along a row of places that look alike, all but
+/// one support a placement that is shifted by one place.
 const AGREED_LEAD: usize = 2;
 
-/// Where two visits take a stretch to lie agrees within this.
+/// Two visits agree on the heading of a stretch within this.
 const AGREED_RAD: f64 = 0.15;
-
-/// Where a stretch lies if a visit of it was to a node.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Guess {
-    pub(super) node: usize,
-    /// The number of the node's [group](Mapper::groups): how the places of two groups lie to each other is not known, so that
-    /// they do not agree.
-    group: usize,
-    /// Brings tracked poses into the map's frame.
-    stretch: Isometry2<f64>,
-}
-
-/// A visit to a place that was not recognised, as it is compared with places of other groups.
-#[derive(Clone, Debug)]
-pub(super) struct Stray {
-    pub(super) kind: HereKind,
-    pub(super) anchor: Isometry2<f64>,
-    pub(super) bearings_rad: Vec<f64>,
-    pub(super) walls: Arc<Walls>,
-}
 
 /// Places of other groups than that of a visit.
 #[derive(Default)]
 pub(super) struct Elsewhere {
     /// Each with its group. Of groups that have enough places to show where a stretch lies.
-    many: Vec<(usize, usize)>,
+    many: Vec<(usize, u32)>,
     /// Of groups of [`AGREED_PLACES`], which may but contradict: what one of these would have, the stretch has to have more of.
-    pairs: Vec<(usize, usize)>,
+    pairs: Vec<(usize, u32)>,
 }
 
-impl Mapper {
+impl Draft {
     /// The places to which no known way leads.
-    pub(super) fn elsewhere(&self, flown: &[Flown], but: Option<usize>) -> Elsewhere {
-        let groups = self.groups();
-        let mut sizes: BTreeMap<usize, usize> = BTreeMap::new();
+    pub(super) fn elsewhere(&self, flown: &[Leg], but: Option<usize>) -> Elsewhere {
+        let groups = groups(&self.graph, &self.flown);
+        let mut sizes: BTreeMap<u32, usize> = BTreeMap::new();
         for place in &self.places {
             *sizes.entry(groups[place.first_visit]).or_default() += 1;
         }
@@ -76,7 +55,7 @@ impl Mapper {
 
     /// Of places that a visit may be to although no known way leads there: the one that agrees with what other visits since
     /// may have been to. Three places in their right relation are no chance, unless places stand in a row; one may look like many.
-    pub(super) fn agreed(&mut self, visit: Stray, elsewhere: &Elsewhere) -> Option<Candidate> {
+    pub(super) fn place_stretch(&mut self, visit: Stray, elsewhere: &Elsewhere) -> Option<Candidate> {
         let place_m = Point2::from(visit.anchor.translation.vector);
         let (candidates, made): (Vec<Candidate>, Vec<Guess>) =
             self.resembling(&visit, &elsewhere.many).into_iter().unzip();
@@ -87,7 +66,7 @@ impl Mapper {
                 let rivals = strays.iter().flat_map(|stray| self.resembling(stray, &elsewhere.pairs));
                 let rivals: Vec<Guess> = rivals.map(|(_, guess)| guess).collect();
                 self.guesses.extend(rivals);
-                self.leads(of, &place_m).then_some(at)
+                self.has_clear_lead(of, &place_m).then_some(at)
             }
             _ => None,
         };
@@ -102,7 +81,7 @@ impl Mapper {
     }
 
     /// Of places to which no known way leads, those that a visit may be to, each with where its stretch then lies.
-    fn resembling(&self, visit: &Stray, places: &[(usize, usize)]) -> Vec<(Candidate, Guess)> {
+    fn resembling(&self, visit: &Stray, places: &[(usize, u32)]) -> Vec<(Candidate, Guess)> {
         let of_kind = places.iter().filter(|(node, _)| self.map.nodes[*node].kind == visit.kind);
         let resembling = of_kind.flat_map(|&(node, group)| {
             let place = &self.places[node];
@@ -123,7 +102,7 @@ impl Mapper {
     }
 
     /// Whether more places agree on a guess than on any other.
-    fn leads(&self, of: &Guess, place_m: &Point2<f64>) -> bool {
+    fn has_clear_lead(&self, of: &Guess, place_m: &Point2<f64>) -> bool {
         let agreeing = self.agreeing(of, place_m);
         let mut rivals = self.guesses.iter().filter(|other| !of.is_one(other, place_m));
         rivals.all(|rival| agreeing >= self.agreeing(rival, place_m) + AGREED_LEAD)
