@@ -198,6 +198,10 @@ fn tables_without_ranges_are_named() {
             "It reads logs, tables of ranges, what a robot sends, and whatever else there is\nin 2026 or so\n",
             Found::Text,
         ),
+        (
+            "\u{eeff}stamp,\u{e9}r0\u{eeff},r1 (\u{b5})\n1,2,3\n",
+            Found::OtherTable("`\u{eeff}stamp`, `\u{e9}r0\u{eeff}`, `r1 (\u{b5})`".to_owned()),
+        ),
         ("MIT License\n\nCopyright (c) 2026 whoever\n", Found::Text),
     ] {
         assert_eq!(found(text), expected, "{text}");

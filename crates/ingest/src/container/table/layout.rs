@@ -294,7 +294,7 @@ impl Name {
         let is_unit = |word: &str| UNITS_M.iter().chain(&UNITS_NS).any(|(unit, _)| *unit == word);
         loop {
             rest.truncate(rest.trim_end_matches(|c: char| !c.is_alphanumeric()).len());
-            let word_at = rest.rfind(|c: char| !c.is_alphanumeric()).map_or(0, |at| at + 1);
+            let word_at = rest.trim_end_matches(char::is_alphanumeric).len();
             let number_at = rest.trim_end_matches(|c: char| c.is_ascii_digit()).len();
             if word_at > 0 && is_unit(&rest[word_at..]) {
                 unit = rest.split_off(word_at);

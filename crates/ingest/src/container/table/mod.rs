@@ -108,7 +108,7 @@ impl Table {
         let row = self.dialect.cells(&line.text);
         let mut cells: Vec<&str> = row.iter().collect();
         let columns = layout.names.len();
-        if cells.len() != columns && cells.last() == Some(&"") {
+        if (cells.len() != columns || layout.is_echo) && cells.last() == Some(&"") {
             cells.pop(); // some writers end every row by a separator
         }
         let is_whole = cells.len() == columns;
