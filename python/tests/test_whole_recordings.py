@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import pytest
 import stages_of_ones_own
@@ -49,7 +50,7 @@ def test_a_comparison_is_the_document_of_the_command_line(tee: Path, tmp_path: P
 
 def test_a_comparison_takes_a_callable_and_a_grid(tee: Path, tmp_path: Path) -> None:
     table = tmp_path / "grid.csv"
-    mine = {"paper": "paper", "mine": {"preset": "paper", "affinity": stages_of_ones_own.rbf}}
+    mine: dict[str, str | dict[str, Any]] = {"paper": "paper", "mine": {"preset": "paper", "affinity": stages_of_ones_own.rbf}}
     grid = {"spectral.zero_tolerance": [1e-9, 1e-7]}
     found = crosscut.compare(tee, mine, grid=grid, csv=table)
     right = [of["figures"]["right"]["hits"] for of in found["all"]]

@@ -12,9 +12,7 @@
 use std::process::ExitCode;
 
 use crosscut_detector::Registry;
-use crosscut_detector::stage::{
-    Affinity, AffinityStage, Invariance, Kind, Notes, Number, Revolution, StageError,
-};
+use crosscut_detector::stage::{Affinity, AffinityStage, Invariance, Kind, Notes, Number, Revolution, StageError};
 
 const SCALE_M: Number = Number::new("scale_m", "m", 0.5).above(0.0).to(100.0).doc("distance at which W_ij is 1/2");
 

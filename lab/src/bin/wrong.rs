@@ -35,8 +35,7 @@ fn main() -> anyhow::Result<()> {
         if !score.right {
             let walls = |count: usize| counted(count as u64, "wall");
             let name = format!("scene {}: {}", frame.revolution.seq, walls(score.true_walls));
-            let answer =
-                if score.right_count() { "other walls".to_owned() } else { walls(score.reported_walls) };
+            let answer = if score.right_count() { "other walls".to_owned() } else { walls(score.reported_walls) };
             panels.push(Panel::of_truth(name, &frame.revolution, &truth));
             panels.push(Panel::of_answer(format!("answer: {answer}"), &frame));
         }
