@@ -77,6 +77,7 @@ mod tests {
 
     #[test]
     fn no_term_falls() {
+        assert_eq!(TERMS.len(), MEASURES.len(), "`lab/make odds` fits a term for each measurement");
         for ((knots, log_odds), name) in TERMS.iter().zip(MEASURES) {
             assert_eq!(knots.len(), log_odds.len(), "{name}");
             assert!(knots.is_sorted_by(|a, b| a < b) && log_odds.is_sorted(), "{name}");
