@@ -6,7 +6,8 @@ use std::time::Instant;
 
 use crosscut_report::Reporter;
 use crosscut_stage::{
-    AffinityStage, Failure, FailureCause, Frame, Kind, KmeansStage, SpectralStage, StageError, StageKind, Step,
+    AffinityStage, Eigenvalues, Failure, FailureCause, Frame, Kind, KmeansStage, SpectralStage, StageError, StageKind,
+    Step,
 };
 
 use crate::{Config, Registry};
@@ -44,6 +45,8 @@ pub(crate) struct Stages {
     pub(crate) is_w_sparse: bool,
     /// The solver takes no n×n matrix for such a W.
     pub(crate) stays_sparse: bool,
+    /// The solver decomposes nothing, so that it takes no n×n matrix for any W.
+    pub(crate) finds_zeros_alone: bool,
     /// All are of the program's own kinds, for which confidences were calibrated.
     pub(crate) is_calibrated: bool,
     pub(crate) spectral: Box<dyn SpectralStage>,
@@ -59,6 +62,7 @@ impl Stages {
             affinity: config.build(&registry.affinity),
             is_w_sparse: kind.properties.needs_beams,
             stays_sparse: config.kind(&registry.spectral).properties.stays_sparse,
+            finds_zeros_alone: config.kind(&registry.spectral).properties.eigenvalues == Eigenvalues::Zeros,
             is_calibrated: is_among(kind, &shipped.affinity)
                 && is_among(config.kind(&registry.spectral), &shipped.spectral)
                 && is_among(config.kind(&registry.kmeans), &shipped.kmeans),
@@ -84,7 +88,8 @@ impl Engine {
     }
 
     pub(crate) fn of(stages: Stages, config: &Config, frames: usize, workers: usize) -> Self {
-        let Stages { mut affinity, is_w_sparse, stays_sparse, is_calibrated, mut spectral, mut kmeans } = stages;
+        let has_matrices = !(stages.finds_zeros_alone || stages.is_w_sparse && stages.stays_sparse);
+        let Stages { mut affinity, is_w_sparse, is_calibrated, mut spectral, mut kmeans, .. } = stages;
         let config_of_w = config.clone();
         let mut reporter = Reporter::new(config.params("report"), config.params("vehicle"));
         if !is_calibrated {
@@ -92,7 +97,7 @@ impl Engine {
         }
         Self {
             weigh: Worker::new(Step::Affinity, move |f| {
-                config_of_w.admit(f.revolution.len(), [frames, workers], is_w_sparse, stays_sparse)?;
+                config_of_w.admit(f.revolution.len(), [frames, workers], is_w_sparse, has_matrices)?;
                 affinity.affinity(&f.revolution, &mut f.affinity, &mut f.notes)
             }),
             decompose: Worker::new(Step::Spectral, move |f| {

@@ -15,17 +15,16 @@ impl Config {
     }
 
     /// Whether as many dense n×n matrices fit as this many frames and workers may hold. W is dense in each frame unless
-    /// `is_w_sparse`, and a worker has matrices of its own unless its solver `stays_sparse`, which it can of a sparse W
-    /// alone.
+    /// `is_w_sparse`; a solver may have matrices of its own.
     pub(crate) fn admit(
         &self,
         n: usize,
         [frames, workers]: [usize; 2],
         is_w_sparse: bool,
-        stays_sparse: bool,
+        solver_has_matrices: bool,
     ) -> Result<(), StageError> {
         let of_frames = if is_w_sparse { 0 } else { frames as u64 };
-        let of_workers = if is_w_sparse && stays_sparse { 0 } else { MOST_MATRICES * workers as u64 };
+        let of_workers = if solver_has_matrices { MOST_MATRICES * workers as u64 } else { 0 };
         let entries = (n as u64).saturating_mul(n as u64);
         let bytes = entries.saturating_mul(8).saturating_mul(of_frames + of_workers);
         let (needed_mb, limit_mb) = (bytes.div_ceil(MB), self.params("pipeline").get(MEMORY_MB) as u64);

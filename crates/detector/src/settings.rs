@@ -124,6 +124,7 @@ impl Settings {
             (stages.affinity, stages.is_w_sparse) = (affinity, false);
         }
         stages.stays_sparse &= self.spectral.is_none();
+        stages.finds_zeros_alone &= self.spectral.is_none();
         stages.spectral = self.spectral.unwrap_or(stages.spectral);
         stages.kmeans = self.kmeans.unwrap_or(stages.kmeans);
         Engine::of(stages, config, 1, 1)

@@ -93,7 +93,12 @@ impl Reporter {
         // Returns without beams have walls alone.
         let Junction { walls, wall_of_return, .. } = std::mem::take(out);
         *out = Junction { junctions: walls.len(), walls, wall_of_return, ..Junction::default() };
-        out.confidence = (!self.uncalibrated).then(|| confidence::of_margin(spectrum.margin_decades));
+        out.confidence = if self.uncalibrated {
+            note_uncalibrated(notes);
+            None
+        } else {
+            Some(confidence::of_margin(spectrum.margin_decades))
+        };
         Ok(())
     }
 
@@ -116,7 +121,7 @@ impl Reporter {
         odds::set_of_openings(verdicts, out);
         known::mark(verdicts, outline, vehicle_width_m, out);
         out.confidence = if self.uncalibrated {
-            notes.add(N080, "report: no confidence, as nothing was calibrated for a stage of one's own");
+            note_uncalibrated(notes);
             None
         } else if self.confidence_of_scene {
             let spacing_rad = confidence::spacing_rad(outline, &out.openings);
@@ -150,6 +155,11 @@ impl Reporter {
         out.openings.retain(|opening| opening.range_m() <= self.max_range_m);
         Ok(())
     }
+}
+
+/// Says why an answer has no confidence.
+fn note_uncalibrated(notes: &mut Notes) {
+    notes.add(N080, "report: no confidence, as nothing was calibrated for a stage of one's own");
 }
 
 #[cfg(test)]

@@ -226,6 +226,7 @@ impl Sensor {
     pub fn revolution(&self, scan: &LaserScan, out: &mut Revolution, notes: &mut Notes) {
         notes.clear();
         self.turning_revolution(&self.in_metres(scan), 0.0, &mut Directions::default(), out, notes);
+        self.level(out, notes);
     }
 
     /// Writes the revolution that `scan`, in metres, shows into `out`, as [`Sensor::revolution`] does, of a sensor that turns by

@@ -1,6 +1,6 @@
 //! `components`: the zero eigenvalues without a decomposition, of the graph without its weak edges.
 //!
-//! The components of the graph, by union-find. Every weight of at least [`LEAST_WEIGHT`] is an edge; weaker ones
+//! The components of the graph, by union-find. Every weight of at least 1e-4 is an edge; weaker ones
 //! are not there, in L as well.
 //!
 //! That L has the eigenvalue 0 once for each component C, with the eigenvector D^1/2 1_C / ‖D^1/2 1_C‖: these are U,

@@ -165,10 +165,8 @@ impl Chains {
             let ends = [a[a.len() - 1], b[0]];
             let is_only_wall = next == at;
             let judged = if is_only_wall && judge.context.is_gap(ends[0], ends[1]) {
-                {
-                    let joint = judge.joint(a, b);
-                    judge.verdict(&joint)
-                }
+                let joint = judge.joint(a, b);
+                judge.verdict(&joint)
             } else {
                 (!is_only_wall).then(|| judge.least_room(a, b))
             };

@@ -332,7 +332,9 @@ impl Resolved {
             return ConfigError::Retired { layer: layer.name.clone(), setting, now };
         }
         let owner = match &section.body {
-            Body::Kinds(choices) => choices.iter().find(|choice| choice.params.iter().any(|spec| spec.name == key)),
+            Body::Kinds(choices) => {
+                choices.iter().find(|choice| choice.params.iter().any(|spec| spec.name == key && !spec.shared))
+            }
             Body::Fixed(_) => None,
         };
         let nearest = match owner {

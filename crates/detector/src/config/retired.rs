@@ -1,7 +1,7 @@
 //! Settings of earlier versions.
 
 /// Settings that are none any more, and what holds in their place.
-pub(super) const RETIRED: [(&str, &str); 16] = [
+pub(super) const RETIRED: [(&str, &str); 19] = [
     ("affinity.passage_m", "use vehicle.width_m"),
     ("affinity.island_m", "use report.island_m"),
     ("affinity.height_m", "use vehicle.height_m"),
@@ -11,6 +11,9 @@ pub(super) const RETIRED: [(&str, &str); 16] = [
     ("affinity.clear_share", "it is 1.15, fixed"),
     ("affinity.wall_deg", "it is 3°, fixed"),
     ("affinity.neighbours", "it is 2 returns, fixed"),
+    ("affinity.eps_m", "kind threshold, which equals dbscan, has affinity.radius_m"),
+    ("affinity.min_points", "kind threshold, which equals dbscan, has report.min_returns"),
+    ("csv.unit", "use csv.columns with the unit, such as r*_mm, or ingest.range_scale"),
     ("spectral.weak_link", "it is 1e-3, fixed"),
     ("spectral.least_weight", "it is 1e-4, fixed"),
     ("kmeans.tolerance", "clusters are exact: rounds end when no return moves"),

