@@ -241,9 +241,9 @@ fn outputs_do_not_replace_the_flight_and_settings_can_be_used_again() {
 
 #[test]
 fn several_settings_in_a_line_are_set_each() {
-    let commands = "set report.min_returns=5 affinity.without=[\"slit\",\"corner\"] vehicle.width_m=0.9\nsettings\n";
+    let commands = "set report.min_returns=5 affinity.without=[\"slit\",\"doors\"] vehicle.width_m=0.9\nsettings\n";
     let ran = play(&["--preset", "default"], commands).expect_code(0);
-    for part in ["report.min_returns = 5", "affinity.without = [\"slit\", \"corner\"]", "vehicle.width_m = 0.9"] {
+    for part in ["report.min_returns = 5", "affinity.without = [\"slit\", \"doors\"]", "vehicle.width_m = 0.9"] {
         assert!(ran.stdout.contains(part), "{part}: {}", ran.stdout);
     }
 }
