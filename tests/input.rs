@@ -244,7 +244,7 @@ fn info_counts_clouds_that_are_alike() {
         file(folder.path(), &format!("{stamp}.0.pcd"), cloud(10 + stamp).as_bytes());
     }
     let shown = run(["info".as_ref(), folder.path().as_os_str()]).expect_code(0).stdout;
-    assert!(shown.contains("1.0.pcd") && shown.contains("11 returns without beams"), "{shown}");
+    assert!(shown.contains("11 points") && shown.contains("4 beams, 4 returns"), "{shown}");
     assert!(
         shown.contains("\n3 files more like it, to ") && shown.contains("4.0.pcd") && !shown.contains("2.0.pcd"),
         "{shown}"
