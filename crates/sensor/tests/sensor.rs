@@ -211,7 +211,7 @@ fn beams_beyond_a_full_turn_are_left_out() {
 
 #[test]
 fn the_turn_is_full_only_if_the_beams_go_all_the_way_round() {
-    for beams in [3, 180, 360, 720, 1081, 4096, 16_384] {
+    for beams in [3, 180, 360, 720, 1081, 4096] {
         let (revolution, notes) = plain(&full_turn(beams));
         assert!(sweep(&revolution).full_turn && notes.is_empty(), "{beams} beams: {notes:?}");
         assert_eq!(revolution.len(), beams);

@@ -47,6 +47,7 @@ fn flight() -> Vec<Frame> {
         p: None,
         measured: None,
     };
+    frames[4].revolution.entries = vec![1, -1, 0]; // of a cloud
     frames[0].affinity.verdicts = vec![verdict(true, 3.0), verdict(false, 0.5), verdict(false, 0.0)];
     frames
 }
@@ -136,6 +137,9 @@ fn number_comparison(entity: &str, component: &str) -> Option<fn(&Value, &Frame)
         ("/scan/beams", _) => |value, frame| is_f64s(value, &[sweep(frame).len()], sweep(frame).bearings_rad.clone()),
         ("/scan/beams/wire", _) => |value, frame| is(value, &[4], Numbers::F32(sweep(frame).wire_geometry.to_vec())),
         ("/recording/part", _) => |value, _| is_f64s(value, &[2], vec![1.0, 0.0]), // the first, and none follows
+        ("/scan/entries", _) => {
+            |value, frame| is(value, &[frame.revolution.entries.len()], Numbers::I32(frame.revolution.entries.clone()))
+        }
         ("/scan/count", _) => |value, frame| is_number(value, frame.revolution.len() as f64),
         ("/scan/openings", "Tensor:data") => |value, frame| {
             let openings = &frame.junction.openings;
