@@ -137,9 +137,10 @@ fn number_comparison(entity: &str, component: &str) -> Option<fn(&Value, &Frame)
         ("/scan/beams", _) => |value, frame| is_f64s(value, &[sweep(frame).len()], sweep(frame).bearings_rad.clone()),
         ("/scan/beams/wire", _) => |value, frame| is(value, &[4], Numbers::F32(sweep(frame).wire_geometry.to_vec())),
         ("/recording/part", _) => |value, _| is_f64s(value, &[2], vec![1.0, 0.0]), // the first, and none follows
-        ("/scan/entries", _) => {
-            |value, frame| is(value, &[frame.revolution.entries.len()], Numbers::I32(frame.revolution.entries.clone()))
-        }
+        ("/scan/entries", _) => |value, frame| {
+            let entries: Vec<i64> = frame.revolution.entries.iter().copied().map(i64::from).collect();
+            is(value, &[entries.len()], Numbers::I64(entries))
+        },
         ("/scan/count", _) => |value, frame| is_number(value, frame.revolution.len() as f64),
         ("/scan/openings", "Tensor:data") => |value, frame| {
             let openings = &frame.junction.openings;
