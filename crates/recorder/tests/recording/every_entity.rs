@@ -206,7 +206,13 @@ fn number_comparison(entity: &str, component: &str) -> Option<fn(&Value, &Frame)
                 Beam::Return(i) => frame.junction.wall_of_return[*i as usize].map_or(-2, i64::from),
                 Beam::NoReturn | Beam::Unknown => -1,
             };
-            is(value, &[sweep(frame).len()], Numbers::I64(sweep(frame).beams.iter().map(wall_of).collect()))
+            let of_entry = |&entry: &i32| u32::try_from(entry).map_or(i64::from(entry), |i| wall_of(&Beam::Return(i)));
+            let entries = &frame.revolution.entries;
+            let labels: Vec<i64> = match entries.is_empty() {
+                true => sweep(frame).beams.iter().map(wall_of).collect(),
+                false => entries.iter().map(of_entry).collect(),
+            };
+            is(value, &[labels.len()], Numbers::I64(labels))
         },
         ("/report/walls", _) => |value, frame| {
             let walls = frame.junction.walls.iter().flat_map(|wall| {
