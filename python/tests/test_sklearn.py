@@ -30,7 +30,7 @@ def walls() -> NDArray[np.float64]:
 
 def test_it_counts_and_labels_as_the_engine_does() -> None:
     found = SpectralJunctions().fit(walls())
-    result = crosscut.Engine("paper", keep=("W",)).process(walls())
+    result = crosscut.Engine("paper", keep=("W",)).process(crosscut.Scan._without_beams(walls()))
     assert found.n_clusters_ == result.k == 3
     assert np.array_equal(found.labels_, np.repeat([0, 1, 2], 20)) and np.array_equal(result.clusters, found.labels_)
     assert np.allclose(found.affinity_matrix_, result.W, rtol=1e-14)
