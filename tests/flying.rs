@@ -13,7 +13,7 @@ fn commands(folder: &Path) -> Vec<Vec<PathBuf>> {
     of_run.extend(words(&["--map"], at("run.json")));
     vec![
         of_run,
-        words(&["map", "--out"], at("map.svg")),
+        words(&["run", "--map"], at("map.svg")),
         words(&["report", "--out"], at("report.html")),
         words(&["compare", "--with", "default", "--with", "threshold", "--json"], at("compare.json")),
     ]

@@ -172,6 +172,6 @@ fn a_live_robot_needs_the_wheel_and_the_error_says_how_to_get_it() {
     for address in ["zenoh://robot/scan", "ros2://0/scan"] {
         let said = run(["run", address, "--results", "-"]).expect_code(2).stderr;
         assert!(said.contains("python/run --install"), "{said}");
-        assert!(run(["map", address, "--out", "map.json"]).expect_code(2).stderr.contains("`crosscut run` and"));
+        assert!(run(["report", address, "--out", "page.html"]).expect_code(2).stderr.contains("`crosscut run` and"));
     }
 }

@@ -84,9 +84,9 @@ fn the_configuration_file_is_never_overwritten() {
     refused(folder.path(), "run @flight.mcap --config @settings.toml --results @settings.toml");
     refused(folder.path(), "run @flight.mcap --config @settings.toml --save @settings.toml");
     refused(folder.path(), "convert @flight.mcap --config @settings.toml --out @settings.toml");
-    for (command, name) in [("map", "settings.json"), ("report", "settings.html")] {
+    for (output, name) in [("run --map", "settings.json"), ("report --out", "settings.html")] {
         std::fs::copy(folder.path().join("settings.toml"), folder.path().join(name)).expect("copied");
-        refused(folder.path(), &format!("{command} @flight.mcap --config @{name} --out @{name}"));
+        refused(folder.path(), &format!("{output} @{name} @flight.mcap --config @{name}"));
     }
     refused(folder.path(), "compare @flight.mcap --with @settings.toml,affinity.kind=rbf --csv @settings.toml");
     refused(folder.path(), "compare @flight.mcap --with default --with @settings.toml --json @settings.toml");

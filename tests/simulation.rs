@@ -67,7 +67,7 @@ fn a_plan_is_flown_and_its_map_has_its_junctions() {
     let again = folder.path().join("again.mcap");
     simulate(&again).expect_code(0);
     assert_eq!(std::fs::read(&again).expect("written"), std::fs::read(&flight).expect("written"), "the same bytes");
-    let said = run([Path::new("map"), &flight, Path::new("--out"), &map]).expect_code(0).stderr;
+    let said = run([Path::new("run"), &flight, Path::new("--map"), &map]).expect_code(0).stderr;
     assert!(said.starts_with("1 junction: 1 tee; "), "{said}");
 
     let refused = simulate(&plan).expect_code(2).stderr;

@@ -14,7 +14,7 @@ import crosscut
 
 def test_the_map_is_that_of_the_command_line(program: str, tee: Path, tmp_path: Path) -> None:
     path = tmp_path / "map.json"
-    subprocess.run([program, "map", tee, "--out", path, "--quiet"], check=True)
+    subprocess.run([program, "run", tee, "--map", path, "--quiet"], check=True)
     expected = json.loads(path.read_text())
     flight = crosscut.Flight()
     for scan in crosscut.read(tee):

@@ -34,7 +34,7 @@ def check(flights: Flights, verdicts: Verdicts):
 def pose_graph(flights: Flights, verdicts: Verdicts, flight: Path):
     """The same edges from another start have the same optimum."""
     written = flights.work / "ring.g2o"
-    flights.crosscut("map", flight, "--out", written, "--quiet").expect(0)
+    flights.crosscut("run", flight, "--map", written, "--quiet").expect(0)
     rows = [line.split() for line in written.read_text().splitlines()]
     poses = np.array([[float(value) for value in row[2:5]] for row in rows if row[0] == "VERTEX_SE2"])
     edges = [(int(row[1]), int(row[2]), np.array([float(value) for value in row[3:]])) for row in rows if row[0] == "EDGE_SE2"]

@@ -85,7 +85,6 @@ pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry, host: 
         Command::Compare(args) => commands::compare::compare(&args, registry, host.robots),
         Command::Debug(args) => commands::debug::debug(args, registry, host.kinds),
         Command::Info(args) => commands::info::info(&args, registry),
-        Command::Map(args) => commands::map::map(&args, registry),
         Command::Report(args) => commands::report::report(&args, registry),
         Command::Convert(args) => commands::convert::convert(&args, registry),
         Command::Rrd(command) => rrd(&command, registry),

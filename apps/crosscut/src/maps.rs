@@ -1,6 +1,5 @@
 //! The map of a flight as a file, in the format of its extension.
 
-use std::fmt::Write as _;
 use std::path::Path;
 
 use crosscut_flight::{Map, MapDrawing, Mapper, NoPlace, Node, write_g2o};
@@ -9,7 +8,7 @@ use serde_json::{Value, json};
 use crate::map_picture::{Drawing, WIDE_PX};
 
 /// The extensions of the formats.
-pub(crate) const FORMATS: [&str; 6] = ["json", "svg", "geojson", "graphml", "g2o", "csv"];
+pub(crate) const FORMATS: [&str; 4] = ["json", "svg", "geojson", "g2o"];
 
 /// The extension that chooses the format, in small letters.
 pub(crate) fn format_of(path: &Path) -> String {
@@ -25,9 +24,7 @@ pub(crate) fn text(path: &Path, mapper: &Mapper, no_place: &NoPlace, seen: &MapD
             Drawing::of(map, seen, mapper).svg(&title, WIDE_PX)
         }
         "geojson" => geojson(&map).to_string(),
-        "graphml" => graphml(&map),
         "g2o" => write_g2o(&mapper.pose_graph()),
-        "csv" => csv(&map),
         _ => json(&map).to_string() + "\n",
     }
 }
@@ -75,50 +72,6 @@ fn geojson(map: &Map) -> Value {
     let nodes = map.nodes.iter().enumerate().map(node);
     let features: Vec<Value> = nodes.chain(map.passages.iter().enumerate().flat_map(edge)).collect();
     json!({"type": "FeatureCollection", "features": features})
-}
-
-fn graphml(map: &Map) -> String {
-    let mut text = String::from(concat!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n",
-        "<graphml xmlns=\"http://graphml.graphdrawing.org/xmlns\">\n",
-        " <key id=\"kind\" for=\"node\" attr.name=\"kind\" attr.type=\"string\"/>\n",
-        " <key id=\"x_m\" for=\"node\" attr.name=\"x_m\" attr.type=\"double\"/>\n",
-        " <key id=\"y_m\" for=\"node\" attr.name=\"y_m\" attr.type=\"double\"/>\n",
-        " <key id=\"ways\" for=\"node\" attr.name=\"ways\" attr.type=\"int\"/>\n",
-        " <key id=\"length_m\" for=\"edge\" attr.name=\"length_m\" attr.type=\"double\"/>\n",
-        " <key id=\"width_m\" for=\"edge\" attr.name=\"width_m\" attr.type=\"double\"/>\n",
-        " <graph edgedefault=\"undirected\">\n",
-    ));
-    for (id, node) in map.nodes.iter().enumerate() {
-        let (kind, x_m, y_m, ways) = (node.kind.name(), node.position_m.x, node.position_m.y, node.ways.len());
-        text += &format!(
-            "  <node id=\"{id}\"><data key=\"kind\">{kind}</data><data key=\"x_m\">{x_m}</data><data key=\"y_m\">{y_m}</data><data key=\"ways\">{ways}</data></node>\n"
-        );
-    }
-    for passage in &map.passages {
-        let (from, to, length_m, width_m) = (passage.from, passage.to, passage.length_m, passage.width_m);
-        text += &format!(
-            "  <edge source=\"{from}\" target=\"{to}\"><data key=\"length_m\">{length_m}</data><data key=\"width_m\">{width_m}</data></edge>\n"
-        );
-    }
-    text + " </graph>\n</graphml>\n"
-}
-
-/// As cavers note a survey: stations, the length between them, and what was not followed.
-fn csv(map: &Map) -> String {
-    let mut text = String::from("FROM,TO,LENGTH,NOTES\n");
-    for passage in &map.passages {
-        let (from, to, length_m, width_m) = (passage.from, passage.to, passage.length_m, passage.width_m);
-        writeln!(text, "{from},{to},{length_m:.1},{width_m:.1} m wide").expect("a String takes all that is written");
-    }
-    for (id, node) in map.nodes.iter().enumerate() {
-        for way in node.ways.iter().filter(|way| !way.taken) {
-            let bearing_deg = way.bearing_rad.to_degrees();
-            writeln!(text, "{id},,,not taken: {:.1} m wide at {bearing_deg:.0} degrees", way.width_m)
-                .expect("a String takes all that is written");
-        }
-    }
-    text
 }
 
 #[cfg(test)]

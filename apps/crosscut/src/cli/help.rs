@@ -8,12 +8,12 @@ use clap::{Command, CommandFactory};
 use super::Cli;
 
 /// Two lines for each command, the most wanted first; each line is a command that the parser accepts.
-const EXAMPLES: [(&str, [&str; 2]); 18] = [
+const EXAMPLES: [(&str, [&str; 2]); 17] = [
     ("", ["crosscut run FLIGHT.bag", "crosscut run recordings/tee.mcap --preset paper --save tee.rrd"]),
     (
         "run",
         [
-            "crosscut run FLIGHT.bag -o FLIGHT.jsonl",
+            "crosscut run FLIGHT.bag -o FLIGHT.jsonl --map FLIGHT.svg",
             "crosscut run FLIGHT.bag --set vehicle.width_m=0.8 --save FLIGHT.rrd",
         ],
     ),
@@ -29,7 +29,6 @@ const EXAMPLES: [(&str, [&str; 2]); 18] = [
     ),
     ("debug", ["crosscut debug FLIGHT.bag", "crosscut debug FLIGHT.bag --preset paper --json"]),
     ("info", ["crosscut info FLIGHT.bag", "crosscut info FLIGHT.db3 --json -"]),
-    ("map", ["crosscut map FLIGHT.bag -o MAP.svg", "crosscut map FLIGHT.bag -o MAP.geojson"]),
     (
         "report",
         ["crosscut report FLIGHT.bag -o FLIGHT.html", "crosscut report FLIGHT.bag --preset paper -o FLIGHT.html"],
@@ -60,11 +59,12 @@ const EXAMPLES: [(&str, [&str; 2]); 18] = [
 ];
 
 /// Commands that there were, each with what does the same now.
-const RETIRED: [(&str, &str); 4] = [
+const RETIRED: [(&str, &str); 5] = [
     ("evaluate", "crosscut compare FILES... --with A --with B"),
     ("sweep", "crosscut compare FILES... --grid KEY=V1,V2 --csv FILE.csv"),
     ("replay", "crosscut run FLIGHT.rrd --set KEY=VALUE -o FILE.jsonl, or crosscut debug FLIGHT.rrd"),
     ("runs", "crosscut compare FILES... --with A --with B --json FILE.json"),
+    ("map", "crosscut run FLIGHT --map FILE.svg, or .json, .geojson, .g2o"),
 ];
 
 /// What to type in place of a command that there was.

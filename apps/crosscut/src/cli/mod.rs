@@ -61,8 +61,7 @@ pub(crate) enum Command {
     Debug(DebugArgs),
     /// Show the topics, scans and damage of recordings.
     Info(InfoArgs),
-    /// Draw the map of a flight, or write it for other tools: junctions, dead ends and the passages between them.
-    Map(MapArgs),
+
     /// Write a page (HTML) on a flight: counts over time, map, junctions with their walls, notes, times and settings.
     Report(ReportArgs),
     /// Convert a recording of any kind to an MCAP of ROS 2 that other tools read.
@@ -124,8 +123,9 @@ pub(crate) struct RunArgs {
     /// Foxglove.
     #[arg(short = 'o', long, value_name = "FILE.jsonl|FILE.mcap", value_parser = PathBufValueParser::new().try_map(results_path))]
     pub(crate) results: Option<PathBuf>,
-    /// Write the map of the flight: junctions, dead ends and the passages between them.
-    #[arg(long, value_name = "FLIGHT.json", value_parser = PathBufValueParser::new().try_map(map_path))]
+    /// Write the map of the flight, junctions, dead ends and the passages between them: .svg (a drawing), .json, .geojson
+    /// (for Nav2) or .g2o (the visits as a pose graph).
+    #[arg(long, value_name = "FILE.svg|json|geojson|g2o", value_parser = PathBufValueParser::new().try_map(map_path))]
     pub(crate) map: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) config: ConfigArgs,
@@ -173,23 +173,6 @@ impl LiveArgs {
     pub(crate) fn setting(&self) -> Option<String> {
         self.odometry.as_ref().map(|topic| format!("ingest.odometry=\"{topic}\""))
     }
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct MapArgs {
-    #[command(flatten)]
-    pub(crate) input: InputArgs,
-    #[command(flatten)]
-    pub(crate) config: ConfigArgs,
-    /// The map: .svg (a drawing), .json, .geojson, .graphml, .g2o (the visits as a pose graph) or .csv (a survey).
-    #[arg(short, long, value_name = "FILE", required_unless_present = "json", value_parser = PathBufValueParser::new().try_map(map_path))]
-    pub(crate) out: Option<PathBuf>,
-    /// Print the map as JSON, as in a file .json.
-    #[arg(long)]
-    pub(crate) json: bool,
-    /// Show no progress bar and no summary.
-    #[arg(short, long)]
-    pub(crate) quiet: bool,
 }
 
 #[derive(Debug, Args)]

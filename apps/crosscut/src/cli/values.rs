@@ -42,7 +42,7 @@ pub(super) fn mcap_path(path: PathBuf) -> Result<PathBuf, &'static str> {
 /// Endings of other files, each with what makes one.
 const NO_RESULTS: [(&[&str], &str); 4] = [
     (&["rrd"], "results are JSON lines or an MCAP; a recording for the viewer is --save FLIGHT.rrd"),
-    (&["svg", "geojson", "graphml", "g2o"], "results are JSON lines or an MCAP; a map is --map FLIGHT.svg"),
+    (&["svg", "geojson", "g2o"], "results are JSON lines or an MCAP; a map is --map FLIGHT.svg"),
     (&["html"], "results are JSON lines or an MCAP; a page is made by `crosscut report`"),
     (&["csv", "npy", "bag", "db3"], "results are JSON lines, an object a scan, or an MCAP: FILE.jsonl, FILE.mcap"),
 ];

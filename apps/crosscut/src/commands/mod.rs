@@ -7,7 +7,6 @@ pub(crate) mod explore;
 #[cfg(feature = "rerun")]
 pub(crate) mod import;
 pub(crate) mod info;
-pub(crate) mod map;
 pub(crate) mod report;
 #[cfg(feature = "rerun")]
 pub(crate) mod rrd;

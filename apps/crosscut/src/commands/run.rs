@@ -69,10 +69,13 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry, robots: Option<&dyn Robot
         Ok(())
     })?;
     bar.finish_and_clear();
+    let is_map_alone = is_map_alone(args);
     if !args.quiet {
-        say(summary::words(&flown));
+        if !is_map_alone {
+            say(summary::words(&flown));
+        }
         if !flown.is_empty() {
-            say(format_args!("{}\n", written.map_summary()));
+            say(format_args!("{}{}", written.map_summary(), if is_map_alone { "" } else { "\n" }));
         }
     }
     if let Err(error) = written.finish(&flown, &mut diagnostics) {
@@ -92,7 +95,7 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry, robots: Option<&dyn Robot
     if is_stream && robot.is_none() && stop.is_set() {
         diagnostics.interrupt(); // the recording ended because of that; a robot is heard until then
     }
-    if !args.quiet && args.results.as_deref() != Some(Path::new("-")) {
+    if !args.quiet && !is_map_alone && args.results.as_deref() != Some(Path::new("-")) {
         show(summary::tables(&flown.summary))?;
     }
     if observers.served {
@@ -104,6 +107,13 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry, robots: Option<&dyn Robot
 /// The configuration, with the odometry and the detail of a recording that were asked for.
 fn configuration(args: &RunArgs, registry: &Registry) -> Result<Config, UsageError> {
     args.config.resolve_with(args.live.setting().into_iter().chain(args.record.scope.setting()), registry)
+}
+
+/// Whether the map is all that was asked for: the summary is that of the map.
+fn is_map_alone(args: &RunArgs) -> bool {
+    let record = &args.record;
+    let is_recorded = record.save.is_some() || record.view || record.serve.is_some();
+    args.map.is_some() && args.results.is_none() && args.publish.is_none() && !is_recorded
 }
 
 /// Refuses outputs that would replace an input or each other.
