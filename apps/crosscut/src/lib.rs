@@ -14,8 +14,6 @@ mod cli;
 mod commands;
 mod config;
 mod configurations;
-#[cfg(feature = "rerun")]
-mod content;
 mod diagnostics;
 mod exit;
 mod fly;

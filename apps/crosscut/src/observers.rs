@@ -3,20 +3,13 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-#[cfg(feature = "rerun")]
-use anyhow::Context as _;
 use crosscut_detector::Config;
 use crosscut_stage::Observer;
 
+#[cfg(feature = "rerun")]
+use crate::cli::ConfigArgs;
 use crate::cli::RunArgs;
 use crate::diagnostics::Diagnostics;
-#[cfg(feature = "rerun")]
-use crate::{
-    cli::{ConfigArgs, InputArgs},
-    content::{hash, hash_of_file},
-    exit::UsageError,
-    recorded,
-};
 
 /// Tells the `seq` of a revolution, its true number of walls and its truth as JSON.
 pub(crate) type TellTruth = Box<dyn Fn(u64, usize, String) + Send + Sync>;
@@ -57,8 +50,6 @@ pub(crate) fn open(run: &RunArgs, config: &Config, diagnostics: &mut Diagnostics
         live: run.rate.is_some() || crate::live::live_input(&run.input).is_some(),
         source: source(run),
         layout: args.layout.into(),
-        ids: args.layer.as_ref().map(|_| ids_of_layers(&run.input)).transpose()?,
-        layer: args.layer.clone().unwrap_or_default(),
         ..recorder_options(name, config)
     };
     let truth = options.truth.clone();
@@ -81,27 +72,6 @@ pub(crate) fn open(run: &RunArgs, config: &Config, diagnostics: &mut Diagnostics
             Observers::default()
         }
     })
-}
-
-/// What all layers of a flight are known by: the recording that it is, or else a name that follows from what is in its files.
-#[cfg(feature = "rerun")]
-fn ids_of_layers(input: &InputArgs) -> anyhow::Result<crosscut_recorder::StoreIds> {
-    let paths = &input.recordings.input;
-    let recording = match recorded::only(paths)? {
-        Some(recording) => recorded::id(recording)?,
-        None if crate::live::live_input(input).is_some() => {
-            return Err(
-                UsageError("--layer is for files: a flight that is heard once has one recording".to_owned()).into()
-            );
-        }
-        None => {
-            let files = crosscut_ingest::recordings_in(paths)?;
-            let hashes = files.iter().map(|path| hash_of_file(path).with_context(|| path.display().to_string()));
-            let hashes = hashes.collect::<anyhow::Result<Vec<String>>>()?;
-            format!("flight-{}", hash(&hashes.iter().map(String::as_str).collect::<Vec<_>>()))
-        }
-    };
-    Ok(crosscut_recorder::StoreIds { application: "crosscut".to_owned(), recording })
 }
 
 /// The file and the preset: "tee.mcap, preset paper with 2 settings changed".

@@ -150,11 +150,6 @@ pub(crate) fn settings(path: &Path) -> anyhow::Result<Layer> {
     Ok(Layer::file(path, &toml)?)
 }
 
-/// The id of the only recording of a file.
-pub(crate) fn id(path: &Path) -> anyhow::Result<String> {
-    Ok(opened(path)?.id().unwrap_or_default().to_owned())
-}
-
 /// Scans are recorded as ingest made them: other settings of ingest cannot be tried on them. Those that nobody but a preset
 /// set are passed over with a note.
 fn refuse_other_ingest(path: &Path, recording: &Recording, config: &Config) -> anyhow::Result<()> {

@@ -35,8 +35,6 @@ pub struct RecorderOptions {
     pub scope: Scope,
     /// The recording that this becomes a part of; without it, one of its own.
     pub ids: Option<StoreIds>,
-    /// The name of the layer that this is of the recording: all entities stand below it. Empty if it is none.
-    pub layer: String,
 }
 
 /// What a viewer knows a recording by. Data with the same two is one recording, whoever sends it.

@@ -260,9 +260,8 @@ impl Recorder {
 
     fn send_layout(&mut self, extent: Extent) -> Result<(), RecorderError> {
         self.log_extent(extent)?;
-        let below = Some(self.options.layer.as_str()).filter(|layer| !layer.is_empty());
         let shown = match &self.mine {
-            None => Shown::Flight { first: self.options.layout, extent, below },
+            None => Shown::Flight { first: self.options.layout, extent },
             Some(mine) => Shown::Mission { corners_m: mine.corners_m, extent },
         };
         layout::send(self.outputs.stream(), &shown)?;

@@ -13,10 +13,6 @@ pub(crate) struct DebugArgs {
     /// Begin at this revolution, as `seek N` does.
     #[arg(long, value_name = "N", value_parser = super::values::number::<u64>, allow_negative_numbers = true)]
     pub(crate) at: Option<u64>,
-    /// Take and give JSON-RPC 2.0, an object a line, in place of words: the method is the command, its params are the words
-    /// after it.
-    #[arg(long)]
-    pub(crate) json: bool,
     /// Show the page of stages in the Rerun viewer: of the present revolution, after every command; beside it what is held.
     #[arg(long)]
     pub(crate) view: bool,

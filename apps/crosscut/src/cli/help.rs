@@ -27,7 +27,7 @@ const EXAMPLES: [(&str, [&str; 2]); 17] = [
             "crosscut compare FLIGHT.bag --grid vehicle.width_m=0.6,0.9,1.2 --csv widths.csv",
         ],
     ),
-    ("debug", ["crosscut debug FLIGHT.bag", "crosscut debug FLIGHT.bag --preset paper --json"]),
+    ("debug", ["crosscut debug FLIGHT.bag", "crosscut debug FLIGHT.rrd --at 81 --view"]),
     ("info", ["crosscut info FLIGHT.bag", "crosscut info FLIGHT.db3 --json -"]),
     (
         "report",

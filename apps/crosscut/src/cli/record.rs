@@ -26,10 +26,6 @@ pub(crate) struct RecordArgs {
     /// Page that the viewer opens with; the others are one click away.
     #[arg(long, value_enum, default_value = "stages", requires = "recorded")]
     pub(crate) layout: LayoutArg,
-    /// Save as a layer of this name: all recordings of one flight that are layers have one recording id, and their entities
-    /// stand below their names, so that they lie in one segment of a Rerun catalog. Of a recording (.rrd), a layer of that.
-    #[arg(long, value_name = "NAME", requires = "save", conflicts_with_all = ["view", "serve"], value_parser = layer_name)]
-    pub(crate) layer: Option<String>,
     #[command(flatten)]
     pub(crate) scope: ScopeArgs,
 }
@@ -64,15 +60,6 @@ pub(crate) fn rrd_path(path: PathBuf) -> Result<PathBuf, &'static str> {
         return Err("--save writes a recording for the Rerun viewer: FLIGHT.rrd; results are -o FILE.jsonl");
     }
     Ok(path)
-}
-
-/// Refuses names that entities of a recording begin with, and what is no name.
-fn layer_name(name: &str) -> Result<String, &'static str> {
-    #[cfg(feature = "rerun")]
-    if !crosscut_recorder::schema::is_layer_name(name) {
-        return Err("a name of letters, digits, _ and -, that no entity of a recording begins with");
-    }
-    Ok(name.to_owned())
 }
 
 /// Pages of a recording.

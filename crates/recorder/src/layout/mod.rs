@@ -130,8 +130,8 @@ impl Extent {
 
 /// What a layout shows. Its pages are tabs. `first` opens, or else the page that only this layout has.
 pub(crate) enum Shown<'a> {
-    /// A flight, whose entities may stand below another one.
-    Flight { first: Layout, extent: Extent, below: Option<&'a str> },
+    /// A flight.
+    Flight { first: Layout, extent: Extent },
     /// Two flights.
     Beside { first: Option<Layout>, sides: [Side<'a>; 2] },
     /// A mission through a mine in a rectangle between these corners, and its flight.
@@ -154,9 +154,8 @@ pub(crate) struct Side<'a> {
 /// Sends the layout with the recording and makes it the active one. The viewer opens the first tab.
 pub(crate) fn send(rec: &RecordingStream, shown: &Shown) -> RecordingStreamResult<()> {
     let (tabs, properties) = match shown {
-        Shown::Flight { first, extent, below } => {
-            let side = below.map(|below| Side { below, name: below, extent: *extent });
-            let mut views = side.as_ref().map_or_else(|| Views::new(*extent), Views::of);
+        Shown::Flight { first, extent } => {
+            let mut views = Views::new(*extent);
             let tabs = Layout::all_from(Some(*first)).map(|page| page.page(&mut views)).collect();
             (tabs, views.into_properties())
         }

@@ -22,13 +22,12 @@ use rerun::sink::LogSink as _;
 use self::flight::{Destination, Facts, Flight};
 use crate::RecorderError;
 use crate::layout::{self, Layout, Shown, Side};
-use crate::schema::SIDES;
 use crate::serving::{self, Served};
 use crate::viewer::Viewer;
 
 /// Where two flights are put that are seen side by side.
-const LEFT: &str = SIDES[0];
-const RIGHT: &str = SIDES[1];
+const LEFT: &str = "left";
+const RIGHT: &str = "right";
 
 /// What to show.
 #[derive(Clone, Debug, Default)]
@@ -154,8 +153,8 @@ impl Opened<'_> {
             sensors::tie(store, &facts)?.into_iter().all(&mut *take);
             let (extent, root, pictures) = (facts.extent, sensors::ROOT, &pictures[..]);
             lay_out(&Shown::Sensors { first, extent, root, pictures }, take)?;
-        } else if let Some(first) = first.or(facts.is_layer.then(Layout::default)) {
-            lay_out(&Shown::Flight { first, extent: facts.extent, below: None }, take)?;
+        } else if let Some(first) = first {
+            lay_out(&Shown::Flight { first, extent: facts.extent }, take)?;
         }
         Ok((damages, facts.revolutions))
     }

@@ -1,9 +1,8 @@
-//! `crosscut debug`: a flight that answers back. The session is `crosscut-debugger`; here are its front ends: lines of words,
-//! edited on a terminal, and JSON-RPC.
+//! `crosscut debug`: a flight that answers back. The session is `crosscut-debugger`; here are its front ends: a prompt on a
+//! terminal, and lines of a file or pipe.
 
 mod editor;
 pub(super) mod flight;
-mod json;
 mod outside;
 mod plain;
 #[cfg(feature = "rerun")]
@@ -15,7 +14,7 @@ mod viewing;
 use std::io::{self, IsTerminal as _};
 use std::path::{Path, PathBuf};
 
-use crosscut_debugger::{Refused, Reply, Session};
+use crosscut_debugger::{Refused, Session};
 use crosscut_detector::{Layer, Registry};
 
 use self::outside::Outside;
@@ -43,7 +42,7 @@ struct Debugger<'a> {
 
 impl Debugger<'_> {
     /// Does what the words say.
-    fn command(&mut self, words: &[String]) -> Result<Reply, Refused> {
+    fn command(&mut self, words: &[String]) -> Result<String, Refused> {
         let before = self.session.version();
         let Self { session, outside, interrupt, kinds, .. } = self;
         let mut done = interrupt.while_working(|| match outside.command(session, words) {
@@ -58,8 +57,7 @@ impl Debugger<'_> {
             && self.session.frame().failure.is_some()
             && let Some(failed) = self.kinds.and_then(Kinds::failed)
         {
-            reply.text = format!("{}\n{}", reply.text, failed.trim_end());
-            reply.value["traceback"] = failed.into();
+            *reply += &format!("\n{}", failed.trim_end());
         }
         self.follow();
         done
@@ -104,16 +102,13 @@ pub(crate) fn debug(args: DebugArgs, registry: &Registry, kinds: Option<&dyn Kin
     }
     let mut diagnostics = Diagnostics::default();
     diagnostics.lost_all(lost.borrow().iter());
-    let is_terminal = !args.json && io::stdin().is_terminal() && io::stdout().is_terminal();
+    let is_terminal = io::stdin().is_terminal() && io::stdout().is_terminal();
     let interrupt = CommandInterrupt::listen(session.stop(), is_terminal)?;
     let viewing =
         if has_view { Viewing::open(&name, &preset).map_err(|error| diagnostics.lost(error)).ok() } else { None };
     let mut debugger = Debugger { interrupt, session, kinds, outside: Outside { name, read }, viewing };
     debugger.follow();
-    let refused = if args.json {
-        json::answer_all(&mut debugger, io::stdin().lock(), &mut io::stdout().lock())?;
-        0
-    } else if is_terminal {
+    let refused = if is_terminal {
         editor::answer_all(&mut debugger)?;
         0
     } else {
