@@ -121,7 +121,7 @@ def check_importer(flights: Flights, verdicts: Verdicts):
     importers.mkdir(exist_ok=True)
     link = importers / "rerun-importer-crosscut"
     link.unlink(missing_ok=True)
-    link.symlink_to(Path(flights.crosscut.binary).resolve().with_name(link.name))
+    link.symlink_to(Path(flights.crosscut.binary).resolve())
     with Viewer.of(path, size=SIZE, importers=importers) as viewer:
         last, views = viewer.last_revolution(), viewer.views()
     missing = [word for word in ("Returns", "W", "Walls") if not any(re.search(rf"\b{word}\b", name) for name in views)]

@@ -40,6 +40,7 @@ mod typeset;
 mod written;
 
 use std::ffi::OsString;
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::FromArgMatches;
@@ -59,9 +60,10 @@ pub fn main(registry: &Registry) -> ExitCode {
     run(std::env::args_os(), registry, &Host::default()).into()
 }
 
-/// Runs the command in `args`, of which the first is the name of the program, and returns its exit code.
+/// Runs the command in `args`, of which the first is the name of the program, and returns its exit code. By the name
+/// `rerun-importer-crosscut`, of a link or a copy, it is the importer that the Rerun viewer calls.
 pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry, host: &Host<'_>) -> u8 {
-    let args = without_help_of_help(args.into_iter().map(with_home).collect());
+    let args = without_help_of_help(of_importer(args.into_iter().map(with_home).collect()));
     let retired = args.get(1).and_then(|command| cli::help::instead_of(command.to_str()?));
     let command = match cli::help::command().try_get_matches_from(args).and_then(|found| Cli::from_arg_matches(&found))
     {
@@ -99,12 +101,16 @@ pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry, host: 
     }
 }
 
-/// The program that the Rerun viewer calls with each file that it opens, and its exit code. `args` are those of the viewer, of
-/// which the first is the name of the program.
-#[cfg(feature = "rerun")]
-pub fn import(args: impl IntoIterator<Item = OsString>, registry: &Registry) -> u8 {
-    let command = ["crosscut", "import"].map(OsString::from);
-    run(command.into_iter().chain(args.into_iter().skip(1)), registry, &Host::default())
+/// The name by which the Rerun viewer calls the program with each file that it opens.
+const IMPORTER: &str = "rerun-importer-crosscut";
+
+/// The arguments, with the command for them where the program is called by the name of the importer.
+fn of_importer(args: Vec<OsString>) -> Vec<OsString> {
+    let is_importer = args.first().is_some_and(|name| Path::new(name).file_stem() == Some(IMPORTER.as_ref()));
+    if !is_importer {
+        return args;
+    }
+    ["crosscut", "import"].map(OsString::from).into_iter().chain(args.into_iter().skip(1)).collect()
 }
 
 /// `help --help` is `help`, which takes no options.
