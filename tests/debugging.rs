@@ -222,8 +222,8 @@ fn a_recording_answers_otherwise_than_the_flight_it_was_made_of() {
     let [rrd, by_flight, by_recording] =
         ["tee.rrd", "a.jsonl", "b.jsonl"].map(|name| folder.path().join(name).display().to_string());
     let flight = shipped_flight().display().to_string();
-    run(["run", &flight, "--quiet", "--save", &rrd, "--results", &by_flight]).expect_code(0);
-    run(["run", &rrd, "--quiet", "--results", &by_recording]).expect_code(0);
+    run(["run", &flight, "--quiet", "--save", &rrd, "--out", &by_flight]).expect_code(0);
+    run(["run", &rrd, "--quiet", "--out", &by_recording]).expect_code(0);
     let read = |path: &str| std::fs::read_to_string(path).expect("results");
     assert!(read(&by_flight) == read(&by_recording), "the lines of results differ");
 

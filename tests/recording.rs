@@ -62,8 +62,7 @@ fn a_recording_of_a_run_that_failed_says_why() {
     let failing = ["--preset", "paper", "--set", "pipeline.memory_mb=40", "--save", &saved];
     let (ran, lines) = results_of(&flight, &failing);
     assert_eq!((ran.expect_code(1).stdout.lines().count(), lines.len()), (2, 2));
-    run(["rrd", "get", &saved, "/log", "--component", "TextLog:text", "--revolution", "2", "--out", &log])
-        .expect_code(0);
+    run(["rrd", "get", &saved, "/log:TextLog:text", "--at", "2", "--out", &log]).expect_code(0);
     let said = std::fs::read_to_string(log).expect("written");
     assert!(said.contains("affinity failed on revolution 2: 2000 returns would need"), "{said}");
 }
@@ -109,7 +108,7 @@ fn without_a_viewer_the_recording_is_saved_with_code_3() {
 fn a_full_disk_leaves_complete_results_and_a_readable_recording() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let saved = folder.path().join("flight.rrd");
-    let arguments = ["run", "--preset", "paper", "--every", "2", "--quiet", "--results", "-", "--save"];
+    let arguments = ["run", "--preset", "paper", "--every", "2", "--quiet", "--out", "-", "--save"];
     let crosscut = crosscut(arguments);
     // With SIGXFSZ ignored, a write beyond the limit (8000 blocks of 512 bytes or more) is an error as on a full disk.
     let mut limited = std::process::Command::new("sh");
@@ -140,6 +139,6 @@ fn a_run_whose_only_output_fails_ends_at_once() {
     };
     let ran = run(arguments(&[])).expect_code(1);
     assert!(ran.stderr.starts_with("lost: ") && ran.stderr.contains("error: no other output"), "{}", ran.stderr);
-    let ran = run(arguments(&["--results", "-"])).expect_code(3);
+    let ran = run(arguments(&["--out", "-"])).expect_code(3);
     assert!(ran.stderr.starts_with("lost: ") && lines(&ran.stdout).len() == 141, "{}", ran.stderr);
 }

@@ -80,7 +80,7 @@ def chained(poses: np.ndarray, edges: list) -> np.ndarray:
 
 def scan_matching(flights: Flights, verdicts: Verdicts, flight: Path):
     """Motions over a few scans, by scans alone: crosscut's, small_gicp's, and the true ones."""
-    ran = flights.crosscut("run", flight, "--set", "flight.pose=scan_match", "--results", "-", "--quiet").expect(0)
+    ran = flights.crosscut("run", flight, "--set", "flight.pose=scan_match", "--out", "-", "--quiet").expect(0)
     ours = [isometry(*(line["pose"][part] for part in ("x_m", "y_m", "yaw_rad"))) for line in program.lines(ran.stdout)]
     scans, truths = scans_and_truths(flight)
     true = [isometry(*(truth["pose"][part] for part in ("x_m", "y_m", "yaw_rad"))) for truth in truths]

@@ -105,10 +105,10 @@ def check_sensors(flights: Flights, verdicts: Verdicts):
     path, saved = flights.work / "sensors.mcap", flights.work / "sensors.rrd"
     sensors.write(path)
     flights.crosscut("run", path, "--save", saved, "--quiet", "--set", "ingest.yaw_rad=0.5").expect(0)
-    command = flights.crosscut.command("view", saved, "--with", path)
-    check_view(command, "view --with", ("point clouds", "camera"), flights, verdicts, at=sensors.SCENES // 2)
+    command = flights.crosscut.command("view", saved, "--beside", path)
+    check_view(command, "view --beside MCAP", ("point clouds", "camera"), flights, verdicts, at=sensors.SCENES // 2)
     command += ["--layout", "overview"]
-    check_view(command, "view --with --layout overview", PAGES["overview"], flights, verdicts, at=sensors.SCENES // 2)
+    check_view(command, "view --beside MCAP --layout overview", PAGES["overview"], flights, verdicts, at=sensors.SCENES // 2)
 
 
 def check_importer(flights: Flights, verdicts: Verdicts):
@@ -209,7 +209,7 @@ def check_stalled(flights: Flights, verdicts: Verdicts):
     path, saved, results = flights.work / "long.mcap", flights.work / "long.rrd", flights.work / "long.jsonl"
     made = scenes.clear_junctions(50, seed=3)
     writing.write_ros2(path, [made[i % len(made)] for i in range(STALLED_SCANS)])
-    command = ["run", path, "--serve=127.0.0.1:0", "--save", saved, "--results", results, "--rate", "10"]
+    command = ["run", path, "--serve=127.0.0.1:0", "--save", saved, "--out", results, "--rate", "10"]
     with Served(flights.crosscut.command(*command)) as served:
         with Viewer.of(served.url, size=SIZE, whole=False) as viewer:
             before = results.read_bytes().count(b"\n")

@@ -59,17 +59,7 @@ pub(crate) fn found() -> Option<PathBuf> {
 
 impl ConfigArgs {
     pub(crate) fn resolve(&self, registry: &Registry) -> Result<Config, UsageError> {
-        self.resolve_with([], registry)
-    }
-
-    /// With the settings of options that stand for one.
-    pub(crate) fn resolve_with(
-        &self,
-        more: impl IntoIterator<Item = String>,
-        registry: &Registry,
-    ) -> Result<Config, UsageError> {
-        let set: Vec<String> = self.set.iter().cloned().chain(more).collect();
-        resolve(self.preset(), self.config.as_deref(), &[("--set", &set)], registry)
+        resolve(self.preset(), self.config.as_deref(), &[("--set", &self.set)], registry)
     }
 }
 

@@ -64,7 +64,7 @@ pub fn main(registry: &Registry) -> ExitCode {
 /// `rerun-importer-crosscut`, of a link or a copy, it is the importer that the Rerun viewer calls.
 pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry, host: &Host<'_>) -> u8 {
     let args = without_help_of_help(of_importer(args.into_iter().map(with_home).collect()));
-    let retired = args.get(1).and_then(|command| cli::help::instead_of(command.to_str()?));
+    let retired = cli::help::instead_of(&args);
     let command = match cli::help::command().try_get_matches_from(args).and_then(|found| Cli::from_arg_matches(&found))
     {
         Ok(cli) => cli.command,

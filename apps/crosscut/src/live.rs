@@ -25,18 +25,14 @@ const MAP_EVERY: Duration = Duration::from_secs(1);
 /// A robot to be heard.
 #[derive(Clone, Debug)]
 pub struct RobotAddress {
-    /// `zenoh://HOST[:PORT]/TOPIC` or `ros2://DOMAIN/TOPIC`.
+    /// `zenoh://HOST[:PORT]/TOPIC[?domain=N][&config=FILE.json5]` or `ros2://DOMAIN/TOPIC`.
     pub address: String,
     /// The topic in it.
     pub topic: String,
     /// Further topics whose messages are wanted: other scanners, odometry, transforms.
     pub beside: Vec<String>,
-    /// The ROS domain of a robot on Zenoh.
-    pub domain: u32,
     /// The topic is a key of plain messages of this type.
     pub message_type: Option<String>,
-    /// Configuration of Zenoh.
-    pub zenoh_config: Option<PathBuf>,
     /// Answers are sent below this key.
     pub publish: Option<String>,
 }
@@ -83,6 +79,12 @@ fn is_live(input: &Path) -> bool {
     input.to_str().is_some_and(|input| input.starts_with("zenoh://") || input.starts_with("ros2://"))
 }
 
+/// An input without what an address of a robot says behind a `?`.
+pub(crate) fn without_query(input: &Path) -> &Path {
+    let address = input.to_str().filter(|_| is_live(input)).and_then(|address| address.split('?').next());
+    address.map_or(input, Path::new)
+}
+
 /// The live robot among the inputs, if there is one.
 pub(crate) fn live_input(args: &InputArgs) -> Option<&Path> {
     args.recordings.input.iter().map(PathBuf::as_path).find(|input| is_live(input))
@@ -108,9 +110,8 @@ pub(crate) fn robot_of(
 ) -> Result<Option<RobotAddress>, UsageError> {
     let usage = |text: String| Err(UsageError(text));
     let Some(input) = live_input(args) else {
-        let of_robots = [("--publish", publish.is_some()), ("--zenoh-config", live.zenoh_config.is_some())];
-        return match of_robots.iter().find(|(_, is_given)| *is_given) {
-            Some((option, _)) => usage(format!("{option} is for live robots: zenoh://HOST/TOPIC, ros2://DOMAIN/TOPIC")),
+        return match publish {
+            Some(_) => usage("--publish is for live robots: zenoh://HOST/TOPIC, ros2://DOMAIN/TOPIC".to_owned()),
             None => Ok(None),
         };
     };
@@ -121,7 +122,8 @@ pub(crate) fn robot_of(
     if live.follow {
         return usage(format!("{address} is a live robot, which is followed at its own pace; leave out --follow"));
     }
-    let topic = address.splitn(4, '/').nth(3).unwrap_or_default().trim_matches('/').to_owned();
+    let topic = without_query(input).to_str().and_then(|address| address.splitn(4, '/').nth(3)).unwrap_or_default();
+    let topic = topic.trim_matches('/').to_owned();
     let transforms = ["/tf", "/tf_static"].map(str::to_owned);
     let odometry = config.sensor().odometry_topic().to_owned();
     let odometry = Some(odometry).filter(|odometry| !odometry.is_empty());
@@ -132,9 +134,7 @@ pub(crate) fn robot_of(
     Ok(Some(RobotAddress {
         topic,
         beside,
-        domain: live.domain,
         message_type: args.recordings.read_as.map(|read_as| read_as.name().to_owned()),
-        zenoh_config: live.zenoh_config.clone(),
         publish: publish.cloned(),
         address,
     }))

@@ -34,9 +34,8 @@ impl Look {
     /// Of a flight with the settings of a command.
     pub(crate) fn with(input: &InputArgs, config: &ConfigArgs) -> Self {
         let inputs = &input.recordings.input;
-        let name = inputs.first().and_then(|input| input.file_stem()).unwrap_or_default().to_string_lossy();
         let settings = options(config.preset.as_deref(), config.config.as_deref(), &config.set);
-        Self::of(inputs, &[input.options(), settings].concat(), &name)
+        Self::of(inputs, &[input.options(), settings].concat(), &input.name())
     }
 
     /// The command that answers at a revolution.

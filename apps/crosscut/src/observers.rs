@@ -6,10 +6,13 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use crosscut_detector::Config;
 use crosscut_stage::Observer;
 
-#[cfg(feature = "rerun")]
-use crate::cli::ConfigArgs;
 use crate::cli::RunArgs;
 use crate::diagnostics::Diagnostics;
+#[cfg(feature = "rerun")]
+use crate::{
+    cli::ConfigArgs,
+    live::{live_input, without_query},
+};
 
 /// Tells the `seq` of a revolution, its true number of walls and its truth as JSON.
 pub(crate) type TellTruth = Box<dyn Fn(u64, usize, String) + Send + Sync>;
@@ -39,18 +42,16 @@ pub(crate) fn open(run: &RunArgs, config: &Config, diagnostics: &mut Diagnostics
     use crosscut_recorder::{Recorder, RecorderError, RecorderOptions};
 
     let args = &run.record;
-    if args.save.is_none() && !args.view && args.serve.is_none() {
+    if !args.is_asked() {
         return Ok(Observers::default());
     }
-    let name = run.input.recordings.input[0].file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let options = RecorderOptions {
         path: args.save.clone(),
         view: args.view,
         serve: args.serve,
-        live: run.rate.is_some() || crate::live::live_input(&run.input).is_some(),
+        live: run.rate.is_some() || live_input(&run.input).is_some(),
         source: source(run),
-        layout: args.layout.into(),
-        ..recorder_options(name, config)
+        ..recorder_options(run.input.name(), config)
     };
     let truth = options.truth.clone();
     let mut recorder = Recorder::new(options.clone());
@@ -77,7 +78,7 @@ pub(crate) fn open(run: &RunArgs, config: &Config, diagnostics: &mut Diagnostics
 /// The file and the preset: "tee.mcap, preset paper with 2 settings changed".
 #[cfg(feature = "rerun")]
 fn source(run: &RunArgs) -> String {
-    let file = run.input.recordings.input[0].file_name().unwrap_or_default().to_string_lossy();
+    let file = without_query(&run.input.recordings.input[0]).file_name().unwrap_or_default().to_string_lossy();
     let ConfigArgs { config, set, .. } = &run.config;
     let preset = run.config.preset();
     let over = config.as_ref().and_then(|config| config.file_name()).map(|name| name.to_string_lossy());
@@ -126,8 +127,7 @@ fn scope(recording: &crosscut_stage::Params) -> crosscut_recorder::Scope {
 
 #[cfg(not(feature = "rerun"))]
 pub(crate) fn open(run: &RunArgs, _: &Config, _: &mut Diagnostics) -> anyhow::Result<Observers> {
-    let args = &run.record;
-    if args.save.is_some() || args.view || args.serve.is_some() {
+    if run.record.is_asked() {
         return Err(crate::exit::without_rerun());
     }
     Ok(Observers::default())

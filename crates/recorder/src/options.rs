@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use rerun::RecordingStreamError;
 
 use crate::truth::TrueWalls;
-use crate::{Layout, Mounting, Scope};
+use crate::{Mounting, Scope};
 
 /// Where and how to record.
 #[derive(Clone, Debug, Default)]
@@ -29,8 +29,6 @@ pub struct RecorderOptions {
     pub config_toml: String,
     /// How the sensor is mounted in the body frame.
     pub mounting: Mounting,
-    /// The page that the viewer opens with.
-    pub layout: Layout,
     /// What is recorded.
     pub scope: Scope,
     /// The recording that this becomes a part of; without it, one of its own.

@@ -11,7 +11,7 @@ use rerun::{RecordingStream, TextDocument, TextLog, TextLogLevel};
 
 use crate::backlog::Room;
 use crate::flight_map::FlightMap;
-use crate::layout::{self, Extent, Shown};
+use crate::layout::{self, Extent, Layout, Shown};
 use crate::mission::Mine;
 use crate::options::{RecorderError, RecorderOptions};
 use crate::outputs::{Further, Outputs, SEND_AFTER_BYTES};
@@ -261,7 +261,7 @@ impl Recorder {
     fn send_layout(&mut self, extent: Extent) -> Result<(), RecorderError> {
         self.log_extent(extent)?;
         let shown = match &self.mine {
-            None => Shown::Flight { first: self.options.layout, extent },
+            None => Shown::Flight { first: Layout::default(), extent },
             Some(mine) => Shown::Mission { corners_m: mine.corners_m, extent },
         };
         layout::send(self.outputs.stream(), &shown)?;

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use clap::builder::{PathBufValueParser, TypedValueParser as _};
 
-use super::InputArgs;
 use super::values::has_extension;
+use super::{CONFIGURATION, InputArgs};
 
 #[derive(Debug, Args)]
 pub(crate) struct ConvertArgs {
@@ -16,10 +16,10 @@ pub(crate) struct ConvertArgs {
     #[arg(short, long, value_name = "FLIGHT.mcap", value_parser = PathBufValueParser::new().try_map(converted_path))]
     pub(crate) out: PathBuf,
     /// File of settings, of which those of the section csv and ingest.echo count.
-    #[arg(long, value_name = "FILE.toml|FLIGHT.rrd")]
+    #[arg(long, value_name = "FILE.toml|FLIGHT.rrd", help_heading = CONFIGURATION)]
     pub(crate) config: Option<PathBuf>,
     /// Single setting that overrides the file: ingest.echo=VALUE or csv.KEY=VALUE. May be repeated.
-    #[arg(long, value_name = "SECTION.KEY=VALUE", value_parser = setting_of_conversion)]
+    #[arg(long, value_name = "SECTION.KEY=VALUE", value_parser = setting_of_conversion, help_heading = CONFIGURATION)]
     pub(crate) set: Vec<String>,
     /// Show no progress and no summary.
     #[arg(short, long)]

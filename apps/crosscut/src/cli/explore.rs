@@ -1,50 +1,45 @@
 //! The options of `crosscut explore`.
 
-use std::num::NonZeroUsize;
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
+use clap::Args;
 use clap::builder::{PathBufValueParser, TypedValueParser as _};
-use clap::{ArgGroup, Args};
 
 use super::ConfigArgs;
-use super::record::{ScopeArgs, rrd_path};
+use super::record::rrd_path;
+use super::values::seeds;
 
 #[derive(Debug, Args)]
-#[command(group = ArgGroup::new("recorded").args(["save"]))]
 pub(crate) struct ExploreArgs {
-    /// World to explore; --list shows them.
+    /// World to explore, or `all`; --list shows them.
     #[arg(value_name = "MISSION")]
     pub(crate) mission: Option<String>,
     /// Plan of a mine to explore, all of it: {"nodes":[{"id","x_m","y_m"}],"edges":[{"from","to","width_m","via_m"}]}.
     /// `"start":{"node","towards"}` is where to start and which node to face, else the first dead end.
     #[arg(long, value_name = "PLAN.json", conflicts_with = "mission")]
     pub(crate) plan: Option<PathBuf>,
-    /// Fly missions in every world of --list, and print a table of them.
-    #[arg(long, conflicts_with_all = ["mission", "plan"])]
-    pub(crate) all: bool,
     /// How the ways are chosen; --list shows the planners.
     #[arg(long, value_name = "NAME", default_value = "nearest_frontier")]
     pub(crate) planner: String,
-    /// Seed of the world, of the vehicle and of its lidar; the same seed gives the same mission.
-    #[arg(long, default_value_t = 1, value_parser = super::values::number::<u64>, allow_negative_numbers = true)]
-    pub(crate) seed: u64,
-    /// Number of missions, with the seeds from --seed on. With more than one, a table is printed.
-    #[arg(long, value_name = "N", default_value = "1", value_parser = super::values::count::<NonZeroUsize>, allow_negative_numbers = true)]
-    pub(crate) count: NonZeroUsize,
+    /// Seed of the world, of the vehicle and of its lidar; the same seed gives the same mission. FIRST..LAST flies a mission with
+    /// each of them, and prints a table.
+    #[arg(long, value_name = "N|FIRST..LAST", default_value = "1", value_parser = seeds, allow_negative_numbers = true)]
+    pub(crate) seed: RangeInclusive<u64>,
     /// Write the outcome: ways, ways_visited, home, crashes, way_m, offline_m, revolutions, the map and more; a list of
     /// outcomes without maps for several missions. `-` is standard output.
     #[arg(long, value_name = "FILE.json")]
     pub(crate) json: Option<PathBuf>,
     /// Save a recording of the mission for the Rerun viewer: vehicle, scan, openings, decisions, the map as it grows, and
     /// all stages of each revolution.
-    #[arg(long, value_name = "MISSION.rrd", conflicts_with_all = ["all", "count"], value_parser = PathBufValueParser::new().try_map(rrd_path))]
+    #[arg(long, value_name = "MISSION.rrd", value_parser = PathBufValueParser::new().try_map(rrd_path))]
     pub(crate) save: Option<PathBuf>,
     /// Record what the vehicle senses, with the truth, as a flight that every command reads. It is complete up to the last
     /// second at any time.
-    #[arg(long, value_name = "FLIGHT.mcap", conflicts_with_all = ["all", "count"])]
+    #[arg(long, value_name = "FLIGHT.mcap")]
     pub(crate) journal: Option<PathBuf>,
     /// Resume a killed mission from its --journal: give the same mission, seed, planner and settings as then.
-    #[arg(long, value_name = "FLIGHT.mcap", conflicts_with_all = ["all", "count"])]
+    #[arg(long, value_name = "FLIGHT.mcap")]
     pub(crate) resume: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) config: ConfigArgs,
@@ -54,6 +49,4 @@ pub(crate) struct ExploreArgs {
     /// Show no progress bar and no summary.
     #[arg(short, long)]
     pub(crate) quiet: bool,
-    #[command(flatten)]
-    pub(crate) scope: ScopeArgs,
 }

@@ -1,5 +1,6 @@
 //! The command line with two examples for each command, and what is made of it: completions, pages for `man`.
 
+use std::ffi::OsString;
 use std::io;
 use std::path::Path;
 
@@ -19,7 +20,7 @@ const EXAMPLES: [(&str, [&str; 2]); 17] = [
     ),
     ("view", ["crosscut view FLIGHT.rrd --at 81", "crosscut view A.rrd --beside B.rrd"]),
     ("simulate", ["crosscut simulate loops --seed 7 -o loops.mcap", "crosscut simulate --list"]),
-    ("explore", ["crosscut explore loops --seed 7", "crosscut explore --plan PLAN.json --save MISSION.rrd"]),
+    ("explore", ["crosscut explore loops --seed 7 --save MISSION.rrd", "crosscut explore all --seed 201..210"]),
     (
         "compare",
         [
@@ -38,12 +39,12 @@ const EXAMPLES: [(&str, [&str; 2]); 17] = [
         ["crosscut convert FLIGHT.clf -o FLIGHT.mcap", "crosscut convert FLIGHT.bag --from 10 --to 60 -o PART.mcap"],
     ),
     ("rrd", ["crosscut rrd ls FLIGHT.rrd", "crosscut rrd get FLIGHT.rrd /spectral/eigenvalues -o eigenvalues.csv"]),
-    ("rrd ls", ["crosscut rrd ls FLIGHT.rrd", "crosscut rrd ls FLIGHT.rrd --config"]),
+    ("rrd ls", ["crosscut rrd ls FLIGHT.rrd", "crosscut rrd ls FLIGHT.rrd /scan/returns"]),
     (
         "rrd get",
         [
             "crosscut rrd get FLIGHT.rrd /spectral/eigenvalues -o eigenvalues.csv",
-            "crosscut rrd get FLIGHT.rrd /affinity/W --exact --revolution 81 -o W.npy",
+            "crosscut rrd get FLIGHT.rrd /affinity/W --exact --at 81 -o W.npy",
         ],
     ),
     ("rrd diff", ["crosscut rrd diff A.rrd B.rrd", "crosscut rrd diff A.rrd B.rrd --tolerance 1e-12"]),
@@ -58,19 +59,42 @@ const EXAMPLES: [(&str, [&str; 2]); 17] = [
     ("man", ["crosscut man ~/.local/share/man/man1", "crosscut man target/man"]),
 ];
 
-/// Commands that there were, each with what does the same now.
-const RETIRED: [(&str, &str); 5] = [
-    ("evaluate", "crosscut compare FILES... --with A --with B"),
-    ("sweep", "crosscut compare FILES... --grid KEY=V1,V2 --csv FILE.csv"),
-    ("replay", "crosscut run FLIGHT.rrd --set KEY=VALUE -o FILE.jsonl, or crosscut debug FLIGHT.rrd"),
-    ("runs", "crosscut compare FILES... --with A --with B --json FILE.json"),
-    ("map", "crosscut run FLIGHT --map FILE.svg, or .json, .geojson, .g2o"),
+/// Commands and options that there were, with what does the same now: the command, empty for every command; its option, empty
+/// for the command itself; what to type.
+const RETIRED: [(&str, &str, &str); 20] = [
+    ("evaluate", "", "crosscut compare FILES... --with A --with B"),
+    ("sweep", "", "crosscut compare FILES... --grid KEY=V1,V2 --csv FILE.csv"),
+    ("replay", "", "crosscut run FLIGHT.rrd --set KEY=VALUE -o FILE.jsonl, or crosscut debug FLIGHT.rrd"),
+    ("runs", "", "crosscut compare FILES... --with A --with B --json FILE.json"),
+    ("map", "", "crosscut run FLIGHT --map FILE.svg, or .json, .geojson, .g2o"),
+    ("", "--results", "-o FILE.jsonl"),
+    ("", "--odometry", "--set ingest.odometry=TOPIC"),
+    ("", "--detail", "--set recording.detail=light, default or full"),
+    ("", "--domain", "zenoh://HOST/TOPIC?domain=N"),
+    ("", "--zenoh-config", "zenoh://HOST/TOPIC?config=FILE.json5"),
+    ("run", "--layout", "crosscut view FLIGHT.rrd --layout PAGE"),
+    ("run", "--layer", "--save A.rrd and --save B.rrd, then crosscut view A.rrd --beside B.rrd"),
+    ("view", "--with", "--beside FLIGHT.mcap"),
+    ("debug", "--json", "lines of commands to standard input: crosscut debug FLIGHT < COMMANDS"),
+    ("simulate", "--no-odometry", "--drift none"),
+    ("explore", "--count", "--seed FIRST..LAST"),
+    ("explore", "--all", "crosscut explore all"),
+    ("rrd ls", "--components", "crosscut rrd ls FLIGHT.rrd ENTITY"),
+    ("rrd get", "--revolution", "--at REVOLUTION"),
+    ("rrd get", "--component", "ENTITY:COMPONENT, such as /log:TextLog:text"),
 ];
 
-/// What to type in place of a command that there was.
-pub(crate) fn instead_of(command: &str) -> Option<String> {
-    let (_, instead) = RETIRED.iter().find(|(retired, _)| *retired == command)?;
-    Some(format!("`{command}` is no longer a command; type: {instead}"))
+/// What to type in place of a command or an option that there was, if `args`, of which the first is the program, have one.
+pub(crate) fn instead_of(args: &[OsString]) -> Option<String> {
+    let words: Vec<&str> = args.iter().skip(1).filter_map(|arg| arg.to_str()).collect();
+    let has = |option: &str| words.iter().any(|word| word.split('=').next() == Some(option));
+    let is_in = |(command, option, _): &&(&str, &str, &str)| {
+        let begins = words.iter().zip(command.split_whitespace()).all(|(word, of)| *word == of);
+        begins && if option.is_empty() { words.first() == Some(command) } else { has(option) }
+    };
+    let (command, option, instead) = RETIRED.iter().find(is_in)?;
+    let (what, kind) = if option.is_empty() { (command, "a command") } else { (option, "an option") };
+    Some(format!("`{what}` is no longer {kind}; type: {instead}"))
 }
 
 /// What a page of help looks like: purpose, examples, usage, options.

@@ -9,21 +9,26 @@ use crosscut_ingest::{CsvGeometry, ReadOptions};
 use crosscut_messages::ScanType;
 
 use super::values::{count, seconds};
+use crate::live::without_query;
 
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Input")]
 pub(crate) struct RecordingsArgs {
     /// Recordings (MCAP, ROS 1 bag, rosbag2 .db3, CARMEN log, CSV, PCD, PLY) or folders of them, or one made with `run --save`
-    /// (.rrd); `-` is standard input.
+    /// (.rrd); `-` is standard input. The wheel's `run` and `compare` (extras live, dds) hear robots, too:
+    /// zenoh://HOST[:PORT]/TOPIC[?domain=N][&config=FILE.json5] and ros2://DOMAIN/TOPIC.
     #[arg(required = true)]
     pub(crate) input: Vec<PathBuf>,
     /// Type of the messages on the topic, if the recording does not state it or uses another name: LaserScan,
-    /// MultiEchoLaserScan or PointCloud2; in JSON or protobuf those of Foxglove.
+    /// MultiEchoLaserScan or PointCloud2; in JSON or protobuf those of Foxglove. Of zenoh://, the topic is then a key of plain
+    /// messages.
     #[arg(long = "as", value_name = "TYPE", value_parser = scan_type)]
     pub(crate) read_as: Option<ScanType>,
 }
 
 /// Selects scans of recordings: the parts of one flight, in this order, or flights of their own, as the command says.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Input")]
 pub(crate) struct InputArgs {
     #[command(flatten)]
     pub(crate) recordings: RecordingsArgs,
@@ -45,7 +50,23 @@ pub(crate) struct InputArgs {
     pub(crate) every: NonZeroU64,
 }
 
+/// How an input is read that is not all there yet.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Input")]
+pub(crate) struct LiveArgs {
+    /// Read on while recordings are written: an MCAP, or a folder in which MCAPs appear, until their recorder closes them or
+    /// Ctrl-C.
+    #[arg(long, conflicts_with = "to")]
+    pub(crate) follow: bool,
+}
+
 impl InputArgs {
+    /// What the flight is called: the first input without folder and ending.
+    pub(crate) fn name(&self) -> String {
+        let first = self.recordings.input.first().map(|input| without_query(input)).unwrap_or_default();
+        first.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+    }
+
     /// The options that select these scans, for a command to be typed.
     pub(crate) fn options(&self) -> Vec<String> {
         let mut options: Vec<String> =

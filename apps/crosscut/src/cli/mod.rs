@@ -23,11 +23,12 @@ use crate::say::say;
 use convert::ConvertArgs;
 use debug::DebugArgs;
 use explore::ExploreArgs;
-pub(crate) use input::InputArgs;
 use input::RecordingsArgs;
+pub(crate) use input::{InputArgs, LiveArgs};
 use record::{LayoutArg, RecordArgs};
 use rrd::RrdCommand;
-use values::{drift_share, html_path, map_path, mcap_path, number, positive, results_path};
+pub(crate) use values::Drift;
+use values::{drift, html_path, map_path, mcap_path, number, positive, results_path};
 
 /// Counts the walls in 2D lidar scans and finds the openings between them: spectral junction detection.
 #[derive(Debug, Parser)]
@@ -119,10 +120,10 @@ impl Command {
 
 #[derive(Debug, Args)]
 pub(crate) struct RunArgs {
-    /// Write one JSON object per scan; `-` is standard output. FILE.mcap has the scans beside them, and drawings for
+    /// Results, one JSON object per scan; `-` is standard output. FILE.mcap has the scans beside them, and drawings for
     /// Foxglove.
-    #[arg(short = 'o', long, value_name = "FILE.jsonl|FILE.mcap", value_parser = PathBufValueParser::new().try_map(results_path))]
-    pub(crate) results: Option<PathBuf>,
+    #[arg(short, long, value_name = "FILE.jsonl|FILE.mcap", value_parser = PathBufValueParser::new().try_map(results_path))]
+    pub(crate) out: Option<PathBuf>,
     /// Write the map of the flight, junctions, dead ends and the passages between them: .svg (a drawing), .json, .geojson
     /// (for Nav2) or .g2o (the visits as a pose graph).
     #[arg(long, value_name = "FILE.svg|json|geojson|g2o", value_parser = PathBufValueParser::new().try_map(map_path))]
@@ -139,40 +140,11 @@ pub(crate) struct RunArgs {
     pub(crate) quiet: bool,
     #[command(flatten)]
     pub(crate) live: LiveArgs,
-    /// Send JSON to KEY/results and KEY/map, and a drawing for RViz and Foxglove to the topic KEY/markers.
-    #[arg(long, value_name = "KEY", help_heading = LIVE)]
+    /// To a live robot, send JSON to KEY/results and KEY/map, and a drawing for RViz and Foxglove to the topic KEY/markers.
+    #[arg(long, value_name = "KEY")]
     pub(crate) publish: Option<String>,
     #[command(flatten)]
     pub(crate) record: RecordArgs,
-}
-
-const LIVE: &str = "What comes as it comes; live robots are zenoh://HOST[:PORT]/TOPIC and ros2://DOMAIN/TOPIC as INPUT of the wheel (extras live, dds)";
-
-/// How an input is read that is not all there yet.
-#[derive(Debug, Args)]
-#[command(next_help_heading = LIVE)]
-pub(crate) struct LiveArgs {
-    /// Read on while recordings are written: an MCAP, or a folder in which MCAPs appear, until their recorder closes them or
-    /// Ctrl-C.
-    #[arg(long, conflicts_with = "to")]
-    pub(crate) follow: bool,
-    /// Topic of the vehicle's odometry, nav_msgs/Odometry or /tf; of recordings it is found without. The same as --set
-    /// ingest.odometry=TOPIC.
-    #[arg(long, value_name = "TOPIC")]
-    pub(crate) odometry: Option<String>,
-    /// ROS domain of a robot on Zenoh. With --as, the topic is a key of plain messages instead.
-    #[arg(long, value_name = "N", default_value = "0", value_parser = number::<u32>, allow_negative_numbers = true)]
-    pub(crate) domain: u32,
-    /// Configuration of Zenoh: TLS and user and, of zenoh:///TOPIC, the router's endpoint.
-    #[arg(long, value_name = "FILE.json5")]
-    pub(crate) zenoh_config: Option<PathBuf>,
-}
-
-impl LiveArgs {
-    /// The topic of the odometry, as a setting.
-    pub(crate) fn setting(&self) -> Option<String> {
-        self.odometry.as_ref().map(|topic| format!("ingest.odometry=\"{topic}\""))
-    }
 }
 
 #[derive(Debug, Args)]
@@ -194,25 +166,26 @@ pub(crate) struct ViewArgs {
     /// Recording made with `run --save`; its further parts (FLIGHT-2.rrd...) are shown as well.
     #[arg(required = true, value_name = "FLIGHT.rrd")]
     pub(crate) flight: Vec<PathBuf>,
-    /// Page that the viewer opens with. [default: the page of --beside or --with if one of them is given, else the page
-    /// that the recording was made for]
+    /// Page that the viewer opens with. [default: the page of --beside if that is given, else stages]
     #[arg(long, value_enum)]
     pub(crate) layout: Option<LayoutArg>,
     /// Revolution to open at. [default: the last]
     #[arg(long, value_name = "REVOLUTION", conflicts_with = "serve", value_parser = number::<u64>, allow_negative_numbers = true)]
     pub(crate) at: Option<u64>,
-    /// Second recording, shown side by side with the first.
-    #[arg(long, value_name = "OTHER.rrd")]
-    pub(crate) beside: Option<PathBuf>,
-    /// MCAP recording of the flight, to show its point clouds, cameras and transforms as well. May be repeated.
-    #[arg(long, value_name = "FLIGHT.mcap", conflicts_with = "beside")]
-    pub(crate) with: Vec<PathBuf>,
+    /// Second recording, shown side by side with the first; or MCAP recordings of the flight, to show their point clouds,
+    /// cameras and transforms as well.
+    #[arg(long, value_name = "OTHER.rrd|FLIGHT.mcap")]
+    pub(crate) beside: Vec<PathBuf>,
     /// Let viewers connect until Ctrl-C instead of opening one. Port 0 selects a free port.
     #[arg(long, value_name = "ADDR:PORT", num_args = 0..=1, require_equals = true, default_missing_value = SERVED_AT)]
     pub(crate) serve: Option<SocketAddr>,
 }
 
+/// The heading of what configures.
+const CONFIGURATION: &str = "Configuration";
+
 #[derive(Debug, Args)]
+#[command(next_help_heading = CONFIGURATION)]
 pub(crate) struct ConfigArgs {
     /// Settings to start from: paper, default, or one of the baselines clear_width, threshold, breakpoint.
     /// [default: default]
@@ -248,12 +221,10 @@ pub(crate) struct SimulateArgs {
     /// Seed of the random numbers; the same seed gives the same bytes.
     #[arg(long, default_value_t = 1, conflicts_with = "suite", value_parser = number::<u64>, allow_negative_numbers = true)]
     pub(crate) seed: u64,
-    /// Drift of the odometry of a flight, as a share of its way; its heading drifts by a tenth of it in rad per metre.
-    #[arg(long, value_name = "SHARE", value_parser = drift_share, allow_negative_numbers = true, conflicts_with_all = ["suite", "no_odometry"])]
-    pub(crate) drift: Option<f64>,
-    /// A flight without odometry.
-    #[arg(long, conflicts_with = "suite")]
-    pub(crate) no_odometry: bool,
+    /// Drift of the odometry of a flight, as a share of its way; its heading drifts by a tenth of it in rad per metre. `none`:
+    /// a flight without odometry.
+    #[arg(long, value_name = "SHARE|none", value_parser = drift, allow_negative_numbers = true, conflicts_with = "suite")]
+    pub(crate) drift: Option<Drift>,
     /// List the scenarios and suites.
     #[arg(long)]
     pub(crate) list: bool,
@@ -277,14 +248,14 @@ pub(crate) struct CompareArgs {
     /// Configuration, in parts that commas separate: a preset, a file of settings over it (FILE.toml, or FLIGHT.rrd made with
     /// `run --save`), single settings over both. `NAME=` before them names it in tables
     /// (`mine=paper,affinity.sigma_per_m2=3`). Repeat it: the others are compared with the first. [default: default]
-    #[arg(long, value_name = "[NAME=]PRESET|FILE.toml|SETTING[,...]")]
+    #[arg(long, help_heading = CONFIGURATION, value_name = "[NAME=]PRESET|FILE.toml|SETTING[,...]")]
     pub(crate) with: Vec<String>,
     /// Setting with the values to try in every configuration, such as affinity.sigma_per_m2=0.5,1,1.5. Repeat it to try every
     /// combination.
-    #[arg(long, value_name = "KEY=V1,V2...")]
+    #[arg(long, help_heading = CONFIGURATION, value_name = "KEY=V1,V2...")]
     pub(crate) grid: Vec<String>,
     /// Single setting that overrides every configuration. May be repeated.
-    #[arg(long, value_name = "SECTION.KEY=VALUE")]
+    #[arg(long, help_heading = CONFIGURATION, value_name = "SECTION.KEY=VALUE")]
     pub(crate) set: Vec<String>,
     /// Show all tables: counts, labels, openings and confidence, every stretch where walls differ, and a command for each
     /// revolution that is mended or broken.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-use super::values::{seconds, tolerance};
+use super::values::{number, seconds, tolerance};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum RrdCommand {
@@ -22,9 +22,8 @@ pub(crate) struct RrdLsArgs {
     /// Recording made with `run --save`.
     #[arg(value_name = "FLIGHT.rrd")]
     pub(crate) recording: PathBuf,
-    /// List every component, including those that control the drawing.
-    #[arg(long)]
-    pub(crate) components: bool,
+    /// List all components of this entity, including those that control the drawing.
+    pub(crate) entity: Option<String>,
     /// Print the configuration that the recording was made with.
     #[arg(long)]
     pub(crate) config: bool,
@@ -35,17 +34,16 @@ pub(crate) struct RrdGetArgs {
     /// Recording made with `run --save`.
     #[arg(value_name = "FLIGHT.rrd")]
     pub(crate) recording: PathBuf,
-    /// Entity as `rrd ls` names it, such as /spectral/eigenvalues. /affinity/W is a picture; --exact recomputes it.
+    /// Entity as `rrd ls` names it, such as /spectral/eigenvalues. /affinity/W is a picture; --exact recomputes it. Of its
+    /// components the one that holds its numbers, unless one is named: /log:TextLog:text.
+    #[arg(value_name = "ENTITY[:COMPONENT]")]
     pub(crate) entity: String,
     /// Identifier of the recording, in a file that holds several.
     #[arg(long = "recording", value_name = "ID")]
     pub(crate) id: Option<String>,
-    /// Component of the entity. [default: the one that holds its numbers]
-    #[arg(long, value_name = "NAME", conflicts_with = "exact")]
-    pub(crate) component: Option<String>,
-    /// Number of a single revolution. [default: all]
-    #[arg(long, value_name = "N", conflicts_with_all = ["from", "to"], allow_negative_numbers = true)]
-    pub(crate) revolution: Option<i64>,
+    /// Single revolution. [default: all]
+    #[arg(long, value_name = "REVOLUTION", conflicts_with_all = ["from", "to"], value_parser = number::<u64>, allow_negative_numbers = true)]
+    pub(crate) at: Option<u64>,
     /// Start this many seconds after the first recorded revolution.
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub(crate) from: Option<f64>,

@@ -1,5 +1,6 @@
 //! The values of options, and why one is refused.
 
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -65,7 +66,28 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0).ok_or_else(|| "a number above 0".to_owned())
 }
 
-pub(super) fn drift_share(text: &str) -> Result<f64, String> {
+/// How odometry drifts.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Drift {
+    /// There is none.
+    NoOdometry,
+    /// By this share of the way.
+    Share(f64),
+}
+
+pub(super) fn drift(text: &str) -> Result<Drift, String> {
+    if text == "none" {
+        return Ok(Drift::NoOdometry);
+    }
     let share = text.parse().ok().filter(|share| (0.0..=0.5).contains(share));
-    share.ok_or_else(|| "the drift is a share of the way, from 0 to 0.5".to_owned())
+    share.map(Drift::Share).ok_or_else(|| "the drift is a share of the way, from 0 to 0.5, or none".to_owned())
+}
+
+/// A seed, or all from one to another: `7`, `201..210`.
+pub(super) fn seeds(text: &str) -> Result<RangeInclusive<u64>, String> {
+    let (first, last) = text.split_once("..").unwrap_or((text, text));
+    match (first.parse(), last.parse()) {
+        (Ok(first), Ok(last)) if first <= last => Ok(first..=last),
+        _ => Err("a whole number from 0 on, or FIRST..LAST".to_owned()),
+    }
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use crosscut_detector::{Config, Registry};
+use crosscut_detector::Registry;
 use crosscut_ingest::Truths;
 use crosscut_pipeline::{End, StopFlag};
 use crosscut_stage::counted;
@@ -21,7 +21,7 @@ use crate::{observers, outputs, progress, summary};
 /// Runs the flight. The results of a revolution are written before any observer sees it; in an MCAP they are on disk
 /// within a second of the flight.
 pub(crate) fn run(args: &RunArgs, registry: &Registry, robots: Option<&dyn Robots>) -> anyhow::Result<Outcome> {
-    let config = configuration(args, registry)?;
+    let config = args.config.resolve(registry)?;
     let robot = live::robot_of(&args.input, &args.live, args.publish.as_ref(), &config)?;
     if robot.is_some() && args.rate.is_some() {
         return Err(UsageError("a live robot is followed at its own pace; leave out --rate".to_owned()).into());
@@ -36,7 +36,7 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry, robots: Option<&dyn Robot
     };
     let is_stream = flight.is_stream();
     let mut diagnostics = Diagnostics::default();
-    let mut written = Written::open(args.results.as_deref(), args.map.as_deref(), &config, &read, &mut diagnostics)?;
+    let mut written = Written::open(args.out.as_deref(), args.map.as_deref(), &config, &read, &mut diagnostics)?;
     let mut observers = observers::open(args, &config, &mut diagnostics)?;
     if let ([only], false, false) = (&args.input.recordings.input[..], observers.list.is_empty(), is_stream) {
         flight = flight.with_shown_truths(Truths::open(only).ok());
@@ -95,7 +95,7 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry, robots: Option<&dyn Robot
     if is_stream && robot.is_none() && stop.is_set() {
         diagnostics.interrupt(); // the recording ended because of that; a robot is heard until then
     }
-    if !args.quiet && !is_map_alone && args.results.as_deref() != Some(Path::new("-")) {
+    if !args.quiet && !is_map_alone && args.out.as_deref() != Some(Path::new("-")) {
         show(summary::tables(&flown.summary))?;
     }
     if observers.served {
@@ -104,21 +104,14 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry, robots: Option<&dyn Robot
     Ok(diagnostics.outcome())
 }
 
-/// The configuration, with the odometry and the detail of a recording that were asked for.
-fn configuration(args: &RunArgs, registry: &Registry) -> Result<Config, UsageError> {
-    args.config.resolve_with(args.live.setting().into_iter().chain(args.record.scope.setting()), registry)
-}
-
 /// Whether the map is all that was asked for: the summary is that of the map.
 fn is_map_alone(args: &RunArgs) -> bool {
-    let record = &args.record;
-    let is_recorded = record.save.is_some() || record.view || record.serve.is_some();
-    args.map.is_some() && args.results.is_none() && args.publish.is_none() && !is_recorded
+    args.map.is_some() && args.out.is_none() && args.publish.is_none() && !args.record.is_asked()
 }
 
 /// Refuses outputs that would replace an input or each other.
 fn refuse_overwriting(args: &RunArgs, read: &[PathBuf]) -> Result<(), UsageError> {
-    let written = args.record.save.iter().chain(&args.results).chain(&args.map);
+    let written = args.record.save.iter().chain(&args.out).chain(&args.map);
     let written: Vec<&Path> = written.map(PathBuf::as_path).collect();
     outputs::refuse(&written, read)?;
     match &args.record.save {

@@ -7,7 +7,7 @@ use crosscut_pipeline::StopFlag;
 use crosscut_simulator::{Flight, Plan, SCENES, Scene, Split, Suite, scenarios, suites, write_mcap};
 use crosscut_stage::counted;
 
-use crate::cli::{SimulateArgs, SplitArg};
+use crate::cli::{Drift, SimulateArgs, SplitArg};
 use crate::exit::{Outcome, UsageError};
 use crate::interrupt::stop_on_interrupt;
 use crate::say::{say, show};
@@ -61,8 +61,8 @@ fn flight(name: &str, args: &SimulateArgs, out: &Path, stop: &StopFlag) -> anyho
 /// The flight with the odometry that was asked for.
 fn with_odometry(flight: Flight, args: &SimulateArgs) -> Flight {
     match args.drift {
-        _ if args.no_odometry => flight.without_odometry(),
-        Some(share) => flight.with_drift(share, args.seed),
+        Some(Drift::NoOdometry) => flight.without_odometry(),
+        Some(Drift::Share(share)) => flight.with_drift(share, args.seed),
         None => flight,
     }
 }

@@ -38,8 +38,7 @@ pub struct Show {
     pub beside: Vec<PathBuf>,
     /// MCAP recordings of the same time: point clouds, cameras and transforms.
     pub sensors: Vec<PathBuf>,
-    /// The page to open with. If none: the page that only this combination has, or the one that the recording was made
-    /// for.
+    /// The page to open with. If none: the page that only this combination has, or that of the recording.
     pub layout: Option<Layout>,
     /// The revolution to open at, in a viewer; if none, the last.
     pub at: Option<u64>,

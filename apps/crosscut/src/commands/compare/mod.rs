@@ -35,8 +35,7 @@ type Input = (String, Vec<PathBuf>);
 /// Answers every flight by every configuration, and compares the answers with the truth and with those of the first.
 pub(crate) fn compare(args: &CompareArgs, registry: &Registry, robots: Option<&dyn Robots>) -> anyhow::Result<Outcome> {
     let grid = Grid::parse(&args.grid)?;
-    let set: Vec<String> = args.set.iter().cloned().chain(args.live.setting()).collect();
-    let configurations = configurations::named(&args.with, &grid, &set, registry)?;
+    let configurations = configurations::named(&args.with, &grid, &args.set, registry)?;
     let stop = stop_on_interrupt()?; // before any recording is looked through
     let config = &configurations[0].config;
     let robot = robot_of(&args.input, &args.live, None, config)?;

@@ -90,7 +90,7 @@ pub(crate) fn debug(args: DebugArgs, registry: &Registry, kinds: Option<&dyn Kin
         None if recorded::only(&args.input.recordings.input)?.is_some() => "settings of the recording".to_owned(),
         _ => format!("preset {}", args.config.preset()),
     };
-    let name = args.input.recordings.input[0].file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let name = args.input.name();
     let (reader, lost) = flight::reader(args.input);
     let no_session = |refused| match refused {
         Refused::Failed(why) => anyhow::anyhow!(why),

@@ -33,9 +33,13 @@ pub(crate) fn explore(args: &ExploreArgs, registry: &Registry) -> anyhow::Result
     if args.list {
         return list();
     }
-    let config = args.config.resolve_with(args.scope.setting(), registry)?;
+    let config = args.config.resolve(registry)?;
     let planner = chosen("planner", &args.planner, planners(), |planner| planner.name)?;
     let jobs = jobs(args)?;
+    let of_one = [("--save", &args.save), ("--journal", &args.journal), ("--resume", &args.resume)];
+    if let (Some((option, _)), true) = (of_one.iter().find(|(_, path)| path.is_some()), jobs.len() > 1) {
+        return Err(UsageError(format!("{option} is for one mission: name it, with one --seed")).into());
+    }
     let read: Vec<PathBuf> = args.plan.iter().chain(&args.config.config).chain(&args.resume).cloned().collect();
     let written: Vec<&Path> = args.json.iter().chain(&args.save).chain(&args.journal).map(PathBuf::as_path).collect();
     outputs::refuse(&written, &read)?;
@@ -75,6 +79,9 @@ pub(crate) fn explore(args: &ExploreArgs, registry: &Registry) -> anyhow::Result
     Ok(diagnostics.outcome())
 }
 
+/// Selects every mission.
+const ALL: &str = "all";
+
 /// One mission to fly.
 struct Job {
     name: String,
@@ -98,13 +105,14 @@ enum Place {
 }
 
 fn jobs(args: &ExploreArgs) -> anyhow::Result<Vec<Job>> {
-    let seeds = || (0..args.count.get() as u64).map(|number| args.seed.wrapping_add(number));
     if let Some(path) = &args.plan {
         let in_plan = |error: &dyn std::fmt::Display| UsageError(format!("{}: {error}", path.display()));
         let text = text_file::read(path).map_err(|error| in_plan(&error))?;
         let plan = Plan::from_json(&text).map_err(|error| in_plan(&error))?;
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        return seeds()
+        return args
+            .seed
+            .clone()
             .map(|seed| {
                 let world = plan.world(seed).map_err(|error| in_plan(&error))?;
                 Ok(Job { name: name.clone(), seed, place: Place::Plan(Box::new(world)) })
@@ -112,15 +120,15 @@ fn jobs(args: &ExploreArgs) -> anyhow::Result<Vec<Job>> {
             .collect();
     }
     let chosen: Vec<&Family> = match &args.mission {
+        Some(name) if name == ALL => families().iter().collect(),
         Some(name) => vec![chosen("mission", name, families(), |family| family.name)?],
-        None if args.all => families().iter().collect(),
         None => {
-            let usage = "name a mission, --plan PLAN.json or --all; --list shows the missions";
+            let usage = "name a mission, `all` of them, or --plan PLAN.json; --list shows the missions";
             return Err(UsageError(usage.to_owned()).into());
         }
     };
     let of_family = |family: &'static Family| {
-        seeds().map(move |seed| Job { name: family.name.to_owned(), seed, place: Place::Family(family) })
+        args.seed.clone().map(move |seed| Job { name: family.name.to_owned(), seed, place: Place::Family(family) })
     };
     Ok(chosen.into_iter().flat_map(of_family).collect())
 }
@@ -229,7 +237,7 @@ fn chosen<T>(
 }
 
 fn list() -> anyhow::Result<Outcome> {
-    let mut text = String::from("missions, a different world for each seed:\n");
+    let mut text = String::from("missions, a different world for each seed (`all`: every one of them):\n");
     for family in families() {
         text += &format!("  {:<18}{}\n", family.name, family.doc);
     }

@@ -35,7 +35,7 @@ impl Saved {
     ) -> anyhow::Result<Option<Self>> {
         let options = RecorderOptions {
             path: args.save.clone(),
-            source: format!("mission {name}, seed {}, preset {}", args.seed, args.config.preset()),
+            source: format!("mission {name}, seed {}, preset {}", args.seed.start(), args.config.preset()),
             ..observers::recorder_options(name.to_owned(), config)
         };
         let created = args.save.is_some().then(|| Self::create(options, world)).transpose();

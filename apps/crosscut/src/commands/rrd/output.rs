@@ -105,7 +105,7 @@ impl Format {
                     *columns = rows.num_columns();
                 }
                 if rows.num_columns() != *columns {
-                    bail!(UsageError("its dimensions differ from those before: take one with --revolution".to_owned()));
+                    bail!(UsageError("its dimensions differ from those before: take one with --at".to_owned()));
                 }
                 Ok(table::write_csv(file, &rows)?)
             }
