@@ -11,8 +11,8 @@ use rerun::{RecordingStream, TextDocument, TextLog, TextLogLevel};
 
 use crate::backlog::Room;
 use crate::flight_map::FlightMap;
-use crate::layout::{self, Extent, Layout, Shown};
-use crate::mission::Mine;
+use crate::layout::{self, COMMAND, Extent, Layout, Shown};
+use crate::mine::Mine;
 use crate::options::{RecorderError, RecorderOptions};
 use crate::outputs::{Further, Outputs, SEND_AFTER_BYTES};
 use crate::piped::PipeSink;
@@ -30,8 +30,6 @@ const FLUSH_AFTER_NS: [u64; 2] = [2_500_000_000, 10_000_000_000];
 const FLUSH_LIVE_AFTER_NS: u64 = 1_000_000_000;
 /// Most revolutions between two flushes, whatever their stamps.
 const FLUSH_AFTER_REVOLUTIONS: u32 = 64;
-/// The timeline of revolutions that are shown one after the other ([`Recorder::show`]).
-pub(crate) const COMMAND: &str = "command";
 
 /// Records every frame that it sees.
 pub struct Recorder {

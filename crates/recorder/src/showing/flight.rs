@@ -8,10 +8,10 @@ use crosscut_rrd::parts::{Marks, files_named_like_parts};
 use crosscut_rrd::{Damage, ReadError, Recording};
 use rerun::external::re_log_types::{ArrowMsg, EntityPath, StoreId};
 use rerun::log::{Chunk, LogMsg};
-use rerun::{CoordinateFrame, Scalars, StoreKind, TextDocument, Transform3D, components};
+use rerun::{CoordinateFrame, StoreKind, TextDocument, Transform3D, components};
 
-use super::ShowError;
-use super::made::{self, Made};
+use super::error::ShowError;
+use super::made::{self, Made, numbers};
 use crate::below::moved;
 use crate::layout::Extent;
 use crate::schema;
@@ -179,16 +179,6 @@ impl Facts {
         let after = self.revolutions.partition_point(|[stamp, _]| *stamp <= stamp_ns);
         self.revolutions.get(after.saturating_sub(1)).map_or(0, |[_, seq]| *seq)
     }
-}
-
-/// The number at each revolution, where there is one.
-pub(super) fn numbers(chunk: &Chunk) -> Vec<(i64, f64)> {
-    let revolutions = chunk.timelines().get(&"revolution".into()).map_or(&[][..], |column| column.times_raw());
-    let number = |row: usize| {
-        let scalars = chunk.component_batch::<components::Scalar>(Scalars::descriptor_scalars().component, row);
-        Some(scalars?.ok()?.first()?.0.0)
-    };
-    revolutions.iter().enumerate().filter_map(|(row, &seq)| Some((seq, number(row)?))).collect()
 }
 
 /// The entity that a message is about; empty if it does not say.

@@ -6,6 +6,7 @@
 
 mod control;
 mod differences;
+mod error;
 mod flight;
 mod made;
 mod sensors;
@@ -15,10 +16,10 @@ use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use crosscut_rrd::ReadError;
 use rerun::log::LogMsg;
 use rerun::sink::LogSink as _;
 
+pub use self::error::ShowError;
 use self::flight::{Destination, Facts, Flight};
 use crate::RecorderError;
 use crate::layout::{self, Layout, Shown, Side};
@@ -42,26 +43,6 @@ pub struct Show {
     pub layout: Option<Layout>,
     /// The revolution to open at, in a viewer; if none, the last.
     pub at: Option<u64>,
-}
-
-/// Why nothing is shown.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum ShowError {
-    /// The recording cannot be read.
-    #[error(transparent)]
-    Recording(#[from] ReadError),
-    /// The MCAP recording cannot be read.
-    #[error("cannot convert the recording: {cause}: {}", path.display())]
-    Sensors {
-        /// Which file.
-        path: PathBuf,
-        /// What is wrong.
-        cause: String,
-    },
-    /// There is no viewer or no address to show it at.
-    #[error(transparent)]
-    Viewer(#[from] RecorderError),
 }
 
 impl Show {

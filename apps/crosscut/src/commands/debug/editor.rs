@@ -11,7 +11,7 @@ use rustyline::validate::Validator;
 use rustyline::{CompletionType, Config, Context, Editor, Helper};
 
 use super::{Debugger, is_end, words};
-use crate::say::{say, show};
+use crate::output::{say, show};
 
 /// Does one line after the other up to `quit` or Ctrl-D. Ctrl-C drops the line.
 pub(super) fn answer_all(debugger: &mut Debugger) -> anyhow::Result<()> {

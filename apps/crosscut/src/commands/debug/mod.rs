@@ -2,33 +2,45 @@
 //! terminal, and lines of a file or pipe.
 
 mod editor;
-pub(super) mod flight;
+mod flight;
 mod outside;
 mod plain;
 #[cfg(feature = "rerun")]
-mod viewing;
-#[cfg(not(feature = "rerun"))]
-#[path = "viewing_without_rerun.rs"]
 mod viewing;
 
 use std::io::{self, IsTerminal as _};
 use std::path::{Path, PathBuf};
 
+use clap::Args;
 use crosscut_debugger::{Refused, Session};
 use crosscut_detector::{Layer, Registry};
 
 use self::outside::Outside;
+#[cfg(feature = "rerun")]
 use self::viewing::Viewing;
-use crate::cli::ConfigArgs;
-use crate::cli::debug::DebugArgs;
-use crate::config;
 use crate::diagnostics::Diagnostics;
 use crate::exit::{Outcome, UsageError};
-use crate::fly::files_read;
+#[cfg(not(feature = "rerun"))]
+use crate::gate::Viewing;
 use crate::host::Kinds;
+use crate::input::{ConfigArgs, InputArgs, config, files_read, recorded};
 use crate::interrupt::CommandInterrupt;
-use crate::recorded;
-use crate::say::say;
+use crate::output::say;
+use crate::values::number;
+
+#[derive(Debug, Args)]
+pub(crate) struct DebugArgs {
+    #[command(flatten)]
+    input: InputArgs,
+    #[command(flatten)]
+    config: ConfigArgs,
+    /// Begin at this revolution, as `seek N` does.
+    #[arg(long, value_name = "REVOLUTION", value_parser = number::<u64>, allow_negative_numbers = true)]
+    at: Option<u64>,
+    /// Show the page of stages in the Rerun viewer: of the present revolution, after every command; beside it what is held.
+    #[arg(long)]
+    view: bool,
+}
 
 /// A session with what it may write.
 struct Debugger<'a> {
@@ -81,7 +93,7 @@ pub(crate) fn debug(args: DebugArgs, registry: &Registry, kinds: Option<&dyn Kin
     }
     #[cfg(not(feature = "rerun"))]
     if args.view {
-        return Err(crate::exit::without_rerun());
+        return Err(crate::gate::without_rerun());
     }
     let read = files_read(&args.input, args.config.config.clone())?;
     let layers = layers(&args.input.recordings.input, &args.config)?;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use crosscut_debugger::{Refused, Session};
 use crosscut_outfile::Keep;
 
-use crate::outputs::{self, Document};
+use crate::output::{Document, files};
 
 /// What is around a session.
 pub(super) struct Outside {
@@ -34,7 +34,7 @@ impl Outside {
     }
 
     fn refuse(&self, path: &Path) -> Result<(), Refused> {
-        outputs::refuse(&[path], &self.read).map_err(|error| Refused::Usage(error.0))
+        files::refuse(&[path], &self.read).map_err(|error| Refused::Usage(error.0))
     }
 
     fn write(&self, session: &Session, path: &Path) -> Result<String, Refused> {
@@ -65,8 +65,8 @@ impl Outside {
         session.truths().for_each(|(seq, of)| tell(&truth, seq, of));
         let options = RecorderOptions {
             truth,
-            path: Some(crate::cli::record::rrd_path(path.to_owned()).map_err(|why| Refused::Usage(why.to_owned()))?),
-            ..crate::observers::recorder_options(self.name.clone(), session.config())
+            path: Some(crate::output::record::rrd_path(path.to_owned()).map_err(|why| Refused::Usage(why.to_owned()))?),
+            ..crate::output::observers::recorder_options(self.name.clone(), session.config())
         };
         let mut recorder = Recorder::new(options).map_err(failed)?;
         let revolutions = session.show_all(&mut recorder).map_err(failed)?;
@@ -79,7 +79,7 @@ impl Outside {
 
     #[cfg(not(feature = "rerun"))]
     fn save(&self, _: &mut Session, _: &Path) -> Result<String, Refused> {
-        Err(Refused::Failed(crate::exit::without_rerun().to_string()))
+        Err(Refused::Failed(crate::gate::without_rerun().to_string()))
     }
 }
 

@@ -5,7 +5,7 @@ use std::io::BufRead;
 use anyhow::Context;
 
 use super::{Debugger, is_end, words};
-use crate::say::{say, show};
+use crate::output::{say, show};
 
 /// Does one line after the other up to the end; empty lines, and lines that begin with `#`, do nothing. Returns how many
 /// were refused.

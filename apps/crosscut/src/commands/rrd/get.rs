@@ -7,21 +7,20 @@ use crosscut_detector::Registry;
 use crosscut_rrd::{ReadError, Recording, Rows, Value, is_picture, schema};
 use crosscut_stage::counted;
 
+use super::args::RrdGetArgs;
 use super::exact::{self, Recomputation};
 use super::output::Output;
 use super::selection::Selection;
 use super::{open, say_damages};
-use crate::cli::rrd::RrdGetArgs;
 use crate::exit::{Outcome, UsageError};
-use crate::fly::refuse_empty_span;
-use crate::outputs;
-use crate::say::say;
+use crate::input::refuse_empty_span;
+use crate::output::{files, say};
 
 /// Writes the values that were asked for. The exit code is 3 if the recording is damaged, or recomputed values disagree
 /// with it.
 pub(super) fn get(args: &RrdGetArgs, registry: &Registry) -> anyhow::Result<Outcome> {
     refuse_empty_span(args.from, args.to)?;
-    outputs::refuse(&[&args.out], std::slice::from_ref(&args.recording))?;
+    files::refuse(&[&args.out], std::slice::from_ref(&args.recording))?;
     let recording = open(&args.recording, args.id.as_deref())?;
     let selection = Selection::new(args, &recording)?;
     let (entity, component) = args.entity.split_once(':').map_or((&*args.entity, None), |(of, name)| (of, Some(name)));

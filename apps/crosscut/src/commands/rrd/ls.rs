@@ -6,8 +6,8 @@ use anyhow::Context;
 use comfy_table::{Cell, CellAlignment, Table, presets};
 use crosscut_rrd::{ReadError, RecordedEntity, Recording};
 
+use super::args::RrdLsArgs;
 use super::{open, say_damages};
-use crate::cli::rrd::RrdLsArgs;
 use crate::exit::{Outcome, UsageError};
 
 /// Prints the content of a recording, or of each that the file holds. The exit code is 3 if one is damaged.

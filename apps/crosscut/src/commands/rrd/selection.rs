@@ -2,7 +2,7 @@
 
 use crosscut_rrd::{Recording, Row, schema};
 
-use crate::cli::rrd::RrdGetArgs;
+use super::args::RrdGetArgs;
 use crate::exit::UsageError;
 
 const NO_STAMPS: &str = "the recording has no stamps, which --from and --to need; take --at REVOLUTION";

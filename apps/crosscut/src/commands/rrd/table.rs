@@ -12,7 +12,7 @@ use crosscut_rrd::arrow::compute::concat;
 use crosscut_rrd::arrow::datatypes::{DataType, Field, Float32Type, Float64Type, Int64Type, Schema};
 use crosscut_rrd::{Array, Numbers, Value};
 
-use crate::typeset::csv_field;
+use crate::output::typeset::csv_field;
 
 /// The columns `revolution`, `stamp_ns`, one for each index, and `value`. That of revolutions or stamps is empty for a
 /// value without one.
