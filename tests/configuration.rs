@@ -164,7 +164,7 @@ fn completions_and_pages_for_man_name_every_option_of_run() {
     let script = run(["completions", "bash"]).expect_code(0).stdout;
     run(["man".as_ref(), folder.path().as_os_str()]).expect_code(0);
     let page = std::fs::read_to_string(folder.path().join("crosscut-run.1")).expect("a page");
-    for option in ["results", "preset", "save", "follow"] {
+    for option in ["out", "preset", "save", "follow"] {
         assert!(script.contains(&format!("--{option}")), "no --{option} in the completions");
         assert!(page.contains(option), "no {option} on the page");
     }

@@ -5,7 +5,6 @@ use std::time::Duration;
 
 use clap::Args;
 use clap::builder::{PathBufValueParser, TypedValueParser as _};
-
 use crosscut_detector::Registry;
 use crosscut_ingest::Truths;
 use crosscut_pipeline::{End, StopFlag};
@@ -93,7 +92,7 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry, robots: Option<&dyn Robot
     let is_stream = flight.is_stream();
     let mut diagnostics = Diagnostics::default();
     let mut written = Written::open(args.out.as_deref(), args.map.as_deref(), &config, &read, &mut diagnostics)?;
-    let of = observers::Flown { input: &args.input, settings: &args.config, is_paced: args.rate.is_some() };
+    let of = observers::Source { input: &args.input, settings: &args.config, is_paced: args.rate.is_some() };
     let mut observers = observers::open(&args.record, &of, &config, &mut diagnostics)?;
     if let ([only], false, false) = (&args.input.recordings.input[..], observers.list.is_empty(), is_stream) {
         flight = flight.with_shown_truths(Truths::open(only).ok());

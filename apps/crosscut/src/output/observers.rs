@@ -14,8 +14,9 @@ use crate::output::record::RecordArgs;
 #[cfg(feature = "rerun")]
 use crate::output::say::say;
 
-/// A flight with the settings of a command; whether it is played at a pace.
-pub(crate) struct Flown<'a> {
+/// What is recorded: a flight with the settings of a command, and whether it is played at a pace.
+#[cfg_attr(not(feature = "rerun"), allow(dead_code))] // recordings need the feature
+pub(crate) struct Source<'a> {
     pub(crate) input: &'a InputArgs,
     pub(crate) settings: &'a ConfigArgs,
     pub(crate) is_paced: bool,
@@ -47,7 +48,7 @@ impl Observers {
 #[cfg(feature = "rerun")]
 pub(crate) fn open(
     args: &RecordArgs,
-    flown: &Flown<'_>,
+    source: &Source<'_>,
     config: &Config,
     diagnostics: &mut Diagnostics,
 ) -> anyhow::Result<Observers> {
@@ -60,9 +61,9 @@ pub(crate) fn open(
         path: args.save.clone(),
         view: args.view,
         serve: args.serve,
-        live: flown.is_paced || live_input(flown.input).is_some(),
-        source: source(flown),
-        ..recorder_options(flown.input.name(), config)
+        live: source.is_paced || live_input(source.input).is_some(),
+        source: words(source),
+        ..recorder_options(source.input.name(), config)
     };
     let truth = options.truth.clone();
     let mut recorder = Recorder::new(options.clone());
@@ -88,10 +89,10 @@ pub(crate) fn open(
 
 /// The file and the preset: "tee.mcap, preset paper with 2 settings changed".
 #[cfg(feature = "rerun")]
-fn source(flown: &Flown<'_>) -> String {
-    let file = without_query(&flown.input.recordings.input[0]).file_name().unwrap_or_default().to_string_lossy();
-    let ConfigArgs { config, set, .. } = flown.settings;
-    let preset = flown.settings.preset();
+fn words(source: &Source<'_>) -> String {
+    let file = without_query(&source.input.recordings.input[0]).file_name().unwrap_or_default().to_string_lossy();
+    let ConfigArgs { config, set, .. } = source.settings;
+    let preset = source.settings.preset();
     let over = config.as_ref().and_then(|config| config.file_name()).map(|name| name.to_string_lossy());
     let over = over.map_or_else(String::new, |name| format!(" with {name}"));
     // What is recorded changes no answer.
@@ -137,7 +138,7 @@ fn scope(recording: &crosscut_stage::Params) -> crosscut_recorder::Scope {
 }
 
 #[cfg(not(feature = "rerun"))]
-pub(crate) fn open(args: &RecordArgs, _: &Flown<'_>, _: &Config, _: &mut Diagnostics) -> anyhow::Result<Observers> {
+pub(crate) fn open(args: &RecordArgs, _: &Source<'_>, _: &Config, _: &mut Diagnostics) -> anyhow::Result<Observers> {
     if args.is_asked() {
         return Err(crate::gate::without_rerun());
     }
