@@ -58,6 +58,10 @@ fn missions_and_planners_are_listed_and_unknown_ones_refused() {
     assert!(refused.contains("did you mean depth_first?"), "{refused}");
     let refused = run(["explore"]).expect_code(2).stderr;
     assert!(refused.contains("--list"), "{refused}");
+    for several in [["tee", "--seed=1..2"], ["all", "--seed=1"]] {
+        let refused = run(["explore", several[0], several[1], "--journal", "nowhere.mcap"]).expect_code(2).stderr;
+        assert!(refused.contains("--journal is for one mission"), "{refused}");
+    }
 }
 
 #[test]

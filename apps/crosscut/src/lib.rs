@@ -4,7 +4,8 @@
 //! holds stages of its own too; they are then chosen, compared and recorded as those that ship. [`run`] is the
 //! program for a process whose arguments are not those of the command line, such as that of an interpreter.
 //!
-//! Each command has a file or folder in `commands`, with its options; what it reads is in `input`, what it writes in `output`. Results go to files or standard output, messages to standard error.
+//! Each command has a file or folder in `commands`, with its options; what it reads is in `input`, what it writes in `output`.
+//! Results go to files or standard output, messages to standard error.
 
 // These macros panic when they cannot write. Messages go through `say`, and writing results returns its error.
 #![deny(clippy::print_stderr, clippy::print_stdout)]
@@ -58,8 +59,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry, host: 
     };
     interrupt::limit_is_an_error();
     let _standard_input = KeptStandardInput::keep(); // commands open their inputs several times
-    let outcome = command.run(registry, host);
-    match outcome {
+    match command.run(registry, host) {
         Ok(outcome) => outcome.into(),
         Err(error) if interrupt::is_requested() => exit::report_interrupted(&error),
         Err(error) => exit::report(&error),

@@ -101,7 +101,8 @@ pub(crate) fn examples(path: &str) -> Option<&'static [&'static str; 2]> {
     EXAMPLES.iter().find(|(of, _)| *of == path).map(|(_, lines)| lines)
 }
 
-/// The command with its examples, and those below it. `path`: the names of the commands that lead to this one, without the program's.
+/// The command with its examples, and those below it. `path`: the names of the commands that lead to this one, without the
+/// program's.
 pub(crate) fn with_examples(command: Command, path: &str) -> Command {
     let subcommands: Vec<String> = command.get_subcommands().map(|command| command.get_name().to_owned()).collect();
     let command = subcommands.into_iter().fold(command, |command, name| {

@@ -116,3 +116,15 @@ pub(crate) fn without_query(input: &Path) -> &Path {
 pub(crate) fn live_input(args: &InputArgs) -> Option<&Path> {
     args.recordings.input.iter().map(PathBuf::as_path).find(|input| is_live(input))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_stands_behind_an_address_is_no_part_of_its_name() {
+        let without = |input: &'static str| without_query(Path::new(input)).to_str().expect("UTF-8");
+        assert_eq!(without("zenoh://robot/scan?domain=3&config=a/b.json5"), "zenoh://robot/scan");
+        assert_eq!(without("odd?name.mcap"), "odd?name.mcap", "of a file it is");
+    }
+}
