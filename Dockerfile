@@ -5,6 +5,7 @@ COPY . .
 RUN cargo build --profile dist --locked -p crosscut
 
 FROM debian:bookworm-slim
-COPY --from=build /crosscut/target/dist/crosscut /crosscut/target/dist/rerun-importer-crosscut /usr/local/bin/
+COPY --from=build /crosscut/target/dist/crosscut /usr/local/bin/
+RUN ln -s crosscut /usr/local/bin/rerun-importer-crosscut
 WORKDIR /flights
 ENTRYPOINT ["crosscut"]

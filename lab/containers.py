@@ -151,7 +151,7 @@ def check_memory(crosscut: Path, work: Path) -> int:
         path = work / "large.mcap"
         count = int(share * GIGABYTES * 1e9 / (8 * BEAMS + 100))
         writing.write_raw(path, messages(count), compression=CompressionType.NONE)
-        command = [crosscut, "run", path, "--every", "2000", "--preset", "threshold", "--quiet", "--results", "-"]
+        command = [crosscut, "run", path, "--every", "2000", "--preset", "threshold", "--quiet", "--out", "-"]
         start_s, size_mb = time.monotonic(), path.stat().st_size / 1e6
         # A child counts no less than its parent has, so a small parent starts it.
         measured = subprocess.run([sys.executable, "-c", MEASURE, *command], check=True, capture_output=True)

@@ -29,14 +29,14 @@ COLOURS = 96
 
 
 def main(crosscut: str):
-    command = [crosscut, "debug", str(ROOT / "recordings/tee.mcap"), "--preset", "paper", "--view", "--json"]
+    command = [crosscut, "debug", str(ROOT / "recordings/tee.mcap"), "--preset", "paper", "--view"]
     frames, shown_ms, lines = [], [], []
     with Viewer.beside(command, f"{WIDTH}x{PAGE_PX + BAR_PX}") as viewer:
         page = page_of(viewer)
         for command in COMMANDS:
             lines.append((TYPED, f"> {command}"))
             frames.append(frame(page, lines))
-            answer = viewer.ask(command.split()[0], *command.split()[1:])["result"]["text"]
+            answer = viewer.ask(command)
             lines += [(ANSWERED, cut(line)) for line in answer.splitlines()]
             page = page_of(viewer)
             frames.append(frame(page, lines))

@@ -88,7 +88,7 @@ def measure_answers(router: str) -> None:
     with tempfile.TemporaryDirectory() as folder:
         for name, options in (("answers", []), ("answers, recorded", ["--save", f"{folder}/flight.rrd"])):
             command = [str(Path(sys.executable).with_name("crosscut")), "run", f"zenoh://{router}/{TOPIC}", "--as", "sensor_msgs/msg/LaserScan"]
-            program = subprocess.Popen([*command, "--quiet", "--results", "-", *options], stdout=subprocess.PIPE)
+            program = subprocess.Popen([*command, "--quiet", "--out", "-", *options], stdout=subprocess.PIPE)
             robot = subprocess.Popen([sys.executable, __file__, "scans", router])
             latencies_ms: list[float] = []
             reader = threading.Thread(target=take_lines, args=(program.stdout, latencies_ms))

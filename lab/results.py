@@ -257,7 +257,7 @@ def page(results: dict) -> str:
     recorded = results["recording"]
     rows = [[preset, level, mb, recorded["ms"][preset][level]] for preset, of in recorded["mb"].items() for level, mb in of.items()]
     text = "Ten minutes at 10 Hz, 360 beams; the time is that of the recording thread, for a revolution."
-    parts.append(headed(recorded, text, table(["preset", "`--detail`", "MB", "ms"], rows)))
+    parts.append(headed(recorded, text, table(["preset", "`recording.detail`", "MB", "ms"], rows)))
     return "".join(parts)
 
 

@@ -39,7 +39,7 @@ def main(crosscut: str):
     mission(crosscut)
     robot = WORK / "robot.mcap"
     sensors.write(robot)
-    take(crosscut, [run(crosscut, robot, "default", "robot"), "--with", robot], 20, "sensors-robot")
+    take(crosscut, [run(crosscut, robot, "default", "robot"), "--beside", robot], 20, "sensors-robot")
     why(crosscut, tee)
 
 
@@ -53,7 +53,7 @@ def maps(crosscut: str):
 def mission(crosscut: str):
     """A mission at one of its decisions."""
     saved = WORK / "mission.rrd"
-    subprocess.run([crosscut, "explore", "loops", "--seed", "7", "--save", saved, "--detail", "light", "--quiet"], check=True)
+    subprocess.run([crosscut, "explore", "loops", "--seed", "7", "--save", saved, "--set", "recording.detail=light", "--quiet"], check=True)
     take(crosscut, [saved], 2112, "mission")
 
 
@@ -84,7 +84,7 @@ def run(crosscut: str, flight: Path, preset: str, name: str, settings=(), around
     saved.parent.mkdir(parents=True, exist_ok=True)
     chosen = [] if around is None else ["--set", f"recording.revolutions=[[{max(0, around - 20)}, {around + 20}]]"]
     changes = [part for setting in settings for part in ("--set", setting)]
-    command = [crosscut, "run", flight, "--preset", preset, *changes, "--save", saved, "--quiet", "--detail", detail, *chosen]
+    command = [crosscut, "run", flight, "--preset", preset, *changes, "--save", saved, "--quiet", "--set", f"recording.detail={detail}", *chosen]
     subprocess.run(command, check=True)
     return saved
 

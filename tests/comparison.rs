@@ -305,12 +305,6 @@ fn what_comes_as_it_comes_is_compared_on_the_same_scans() {
     assert_eq!(figures(&followed["comparisons"]), figures(&of_file));
 }
 
-#[test]
-fn a_retired_command_names_what_to_type_now() {
-    let said = run(["evaluate", "scenes/", "--with", "paper"]).expect_code(2).stderr;
-    assert!(said.contains("`evaluate` is no longer a command; type: crosscut compare FILES..."), "{said}");
-}
-
 #[cfg(feature = "rerun")]
 #[test]
 fn a_recording_is_answered_and_compared_again_with_other_settings() {

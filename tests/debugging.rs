@@ -4,9 +4,9 @@ use std::io::Write as _;
 use std::path::Path;
 use std::process::Stdio;
 
-use serde_json::{Value, json};
+use serde_json::Value;
 
-use crate::program::{Ran, crosscut, lines, root, shipped_flight};
+use crate::program::{Ran, crosscut, root, shipped_flight};
 
 /// Plays lines to `crosscut debug` on the shipped flight.
 fn play(more: &[&str], input: &str) -> Ran {
@@ -19,18 +19,20 @@ fn play(more: &[&str], input: &str) -> Ran {
     running.wait_with_output().expect("it ends").into()
 }
 
-/// The results of JSON-RPC requests with these words.
-fn play_json(more: &[&str], commands: &[Vec<String>]) -> Vec<Value> {
-    let request = |(id, words): (usize, &Vec<String>)| {
-        json!({"jsonrpc": "2.0", "id": id, "method": words[0], "params": words[1..]}).to_string() + "\n"
+/// The answer to each command, or why it was refused.
+fn answers(more: &[&str], commands: &[&str]) -> Vec<Result<String, String>> {
+    const LIST: &str = "break"; // answered by one line that is known
+    let input: String = commands.iter().map(|command| format!("{command}\n{LIST}\n")).collect();
+    let Ran { stdout, stderr, .. } = play(more, &input);
+    let (_, answered) = stdout.split_once('\n').expect("a greeting");
+    let mut refusals = stderr.lines().filter_map(|line| line.strip_prefix("error: "));
+    let answers: Vec<&str> = answered.split_terminator("no break\n").collect();
+    assert_eq!(answers.len(), commands.len(), "an answer for each command: {stdout}");
+    let answer = |text: &str| match text.trim_end() {
+        "" => Err(refusals.next().expect("a refusal").to_owned()),
+        text => Ok(text.to_owned()),
     };
-    let input: String = commands.iter().enumerate().map(request).collect();
-    let answers = lines(&play(&[more, &["--json"]].concat(), &input).expect_code(0).stdout);
-    assert_eq!(answers.len(), commands.len(), "an answer for each request");
-    for (id, answer) in answers.iter().enumerate() {
-        assert_eq!(answer["id"], id);
-    }
-    answers
+    answers.into_iter().map(answer).collect()
 }
 
 fn words(line: &str) -> Vec<String> {
@@ -89,25 +91,6 @@ fn length_of_lines(text: &str, count: usize) -> usize {
 }
 
 #[test]
-fn the_dialogue_of_the_page_is_what_json_says() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let in_folder = |text: &str| text.replace("/tmp/", &format!("{}/", folder.path().display()));
-    let dialogue = dialogue();
-    let commands: Vec<_> = dialogue.iter().map(|(command, _)| words(&in_folder(command))).collect();
-    let answers = play_json(&["--preset", "paper"], &commands);
-    for ((command, shown), answer) in dialogue.iter().zip(answers) {
-        let shown = in_folder(shown.trim_end());
-        match shown.strip_prefix("error: ") {
-            Some(refusal) => assert_eq!(answer["error"]["message"], refusal, "after {command}"),
-            None => {
-                let text = answer["result"]["text"].as_str().unwrap_or_else(|| panic!("{command}: {answer}"));
-                assert_eq!(without_time(text), without_time(&shown), "after {command}");
-            }
-        }
-    }
-}
-
-#[test]
 #[cfg(feature = "rerun")]
 fn without_a_viewer_the_session_goes_on() {
     let mut command = crosscut(["debug".as_ref(), shipped_flight().as_os_str(), "--view".as_ref()]);
@@ -145,36 +128,19 @@ fn refusals_leave_the_session_as_it_was() {
         "set ingest.frame_id=nobody",
     ];
     for line in wrong {
-        let answers = play_json(&[], &[words("seek 50"), words("show"), words(line), words("show")]);
-        assert!(answers[2]["error"]["message"].as_str().is_some_and(|text| !text.is_empty()), "{line}: {}", answers[2]);
-        assert_eq!(answers[1]["result"], answers[3]["result"], "after {line}");
+        let found = answers(&[], &["seek 50", "show", line, "show"]);
+        assert!(found[2].as_ref().is_err_and(|text| !text.is_empty()), "{line}: {:?}", found[2]);
+        assert_eq!(found[1], found[3], "after {line}");
     }
-}
-
-#[test]
-fn lines_that_are_no_requests_are_answered_by_their_code_and_the_session_goes_on() {
-    let input = "nonsense\n{\"id\":1}\n{\"jsonrpc\":\"2.0\",\"id\":2,\"method\":\"jump\"}\n\
-                 {\"jsonrpc\":\"2.0\",\"id\":3,\"method\":\"seek\",\"params\":[]}\n\
-                 {\"jsonrpc\":\"2.0\",\"method\":\"seek\",\"params\":[5]}\n{\"jsonrpc\":\"2.0\",\"id\":4,\"method\":\"show\"}\n";
-    let answers = lines(&play(&["--json"], input).expect_code(0).stdout);
-    let codes: Vec<_> = answers.iter().map(|answer| answer["error"]["code"].as_i64()).collect();
-    assert_eq!(codes, [Some(-32700), Some(-32600), Some(-32601), Some(-32602), None]);
-    assert_eq!(answers[4]["result"]["at"], 5, "a notification is done without an answer");
 }
 
 #[test]
 fn a_stage_that_fails_is_told_and_the_next_setting_mends_it() {
     let commands = ["set pipeline.memory_mb=1", "again", "next fails", "unset all", "again"];
-    let answers = play_json(&["--preset", "paper"], &commands.map(words));
-    assert!(answers[0]["result"]["failure"].as_str().is_some_and(|text| text.contains("memory_mb")), "{}", answers[0]);
-    assert_eq!(answers[1]["result"]["failed"], answers[1]["result"]["revolutions"]);
-    assert_eq!(answers[2]["result"]["at"], 1);
-    assert_eq!(
-        (&answers[3]["result"]["walls"], &answers[4]["result"]["failed"]),
-        (&json!(2), &json!(0)),
-        "{}",
-        answers[3]
-    );
+    let found = answers(&["--preset", "paper"], &commands);
+    let says = |at: usize, text: &str| found[at].as_ref().is_ok_and(|said| said.contains(text));
+    assert!(says(0, "memory_mb") && says(1, "; 141 without an answer"), "{found:?}");
+    assert!(says(2, "1 at 0.10 s: ") && says(3, "2 walls") && !says(4, "without an answer"), "{found:?}");
 }
 
 #[test]
@@ -182,16 +148,14 @@ fn what_is_got_and_injected_again_gives_the_same_answer_to_the_bit() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = |name: &str| folder.path().join(name).display().to_string();
     for preset in ["default", "paper"] {
-        let mut commands = vec![words("seek 107"), words("hold")];
+        let mut commands = vec!["seek 107".to_owned(), "hold".to_owned()];
         for what in ["W", "U", "labels"] {
-            commands.push(vec!["get".into(), what.into(), path(what)]);
-            commands.push(vec!["inject".into(), what.into(), path(what)]);
+            commands.extend(["get", "inject"].map(|command| format!("{command} {what} {}", path(what))));
         }
-        commands.push(words("diff"));
-        let answers = play_json(&["--preset", preset], &commands);
-        let last = answers.last().expect("an answer");
-        // Only the notes say that something was injected.
-        assert_eq!(last["result"]["field"], "notes[0]", "{preset}: {last}");
+        commands.push("diff".to_owned());
+        let found = answers(&["--preset", preset], &commands.iter().map(String::as_str).collect::<Vec<_>>());
+        let last = found.last().and_then(|last| last.as_ref().ok()).expect("an answer");
+        assert!(last.starts_with("report: notes"), "only the notes say that something was injected: {preset}: {last}");
     }
 }
 
@@ -199,8 +163,7 @@ fn what_is_got_and_injected_again_gives_the_same_answer_to_the_bit() {
 fn a_changed_w_changes_the_count_and_leaves_the_recording_alone() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("w.npy").display().to_string();
-    let get = vec!["get".to_owned(), "W".to_owned(), path.clone()];
-    play_json(&["--preset", "paper"], &[get]);
+    answers(&["--preset", "paper"], &[&format!("get W {path}")]);
     // Every return on its own: no edge but the diagonal.
     let mut file = std::fs::read(&path).expect("written");
     let n = ((file.len() - 192) / 8).isqrt();
@@ -208,14 +171,11 @@ fn a_changed_w_changes_the_count_and_leaves_the_recording_alone() {
         file[192 + 8 * at..200 + 8 * at].fill(0);
     }
     std::fs::write(&path, file).expect("a file");
-    let inject = vec!["inject".to_owned(), "W".to_owned(), path];
-    let answers = play_json(&["--preset", "paper"], &[inject, words("step"), words("step -1"), words("inject off")]);
-    assert_eq!(answers[0]["result"]["k"], n, "{}", answers[0]);
-    assert_eq!(
-        (&answers[2]["result"]["k"], &answers[3]["result"]["k"]),
-        (&json!(n), &json!(2)),
-        "it stays with its revolution"
-    );
+    let inject = format!("inject W {path}");
+    let found = answers(&["--preset", "paper"], &[&inject, "step", "step -1", "inject off"]);
+    let has_k = |at: usize, k: usize| found[at].as_ref().is_ok_and(|said| said.contains(&format!(", k = {k}, ")));
+    assert!(has_k(0, n), "{found:?}");
+    assert!(has_k(2, n) && has_k(3, 2), "it stays with its revolution: {found:?}");
 }
 
 #[test]
@@ -224,19 +184,14 @@ fn outputs_do_not_replace_the_flight_and_settings_can_be_used_again() {
     let settings = folder.path().join("settings.toml");
     let flight = shipped_flight().display().to_string();
     let written = settings.display().to_string();
-    let commands = [
-        vec!["get".to_owned(), "W".to_owned(), flight.clone()],
-        vec!["write".to_owned(), flight],
-        words("set vehicle.width_m=0.9"),
-        vec!["write".to_owned(), written.clone()],
-    ];
-    let answers = play_json(&[], &commands);
-    for refused in &answers[..2] {
-        assert!(refused["error"]["message"].as_str().is_some_and(|text| text.contains("overwritten")), "{refused}");
+    let [get, write_over, write] = [format!("get W {flight}"), format!("write {flight}"), format!("write {written}")];
+    let found = answers(&[], &[&get, &write_over, "set vehicle.width_m=0.9", &write]);
+    for refused in &found[..2] {
+        assert!(refused.as_ref().is_err_and(|text| text.contains("overwritten")), "{refused:?}");
     }
     assert!(Path::new(&written).exists());
-    let same = play_json(&["--config", &written, "--set", "vehicle.width_m=0.9"], &[words("settings")]);
-    assert_eq!(same[0]["result"]["text"], "as at the start");
+    let same = answers(&["--config", &written, "--set", "vehicle.width_m=0.9"], &["settings"]);
+    assert_eq!(same, [Ok("as at the start".to_owned())]);
 }
 
 #[test]
@@ -267,8 +222,8 @@ fn a_recording_answers_otherwise_than_the_flight_it_was_made_of() {
     let [rrd, by_flight, by_recording] =
         ["tee.rrd", "a.jsonl", "b.jsonl"].map(|name| folder.path().join(name).display().to_string());
     let flight = shipped_flight().display().to_string();
-    run(["run", &flight, "--quiet", "--save", &rrd, "--results", &by_flight]).expect_code(0);
-    run(["run", &rrd, "--quiet", "--results", &by_recording]).expect_code(0);
+    run(["run", &flight, "--quiet", "--save", &rrd, "--out", &by_flight]).expect_code(0);
+    run(["run", &rrd, "--quiet", "--out", &by_recording]).expect_code(0);
     let read = |path: &str| std::fs::read_to_string(path).expect("results");
     assert!(read(&by_flight) == read(&by_recording), "the lines of results differ");
 

@@ -58,13 +58,17 @@ fn missions_and_planners_are_listed_and_unknown_ones_refused() {
     assert!(refused.contains("did you mean depth_first?"), "{refused}");
     let refused = run(["explore"]).expect_code(2).stderr;
     assert!(refused.contains("--list"), "{refused}");
+    for several in [["tee", "--seed=1..2"], ["all", "--seed=1"]] {
+        let refused = run(["explore", several[0], several[1], "--journal", "nowhere.mcap"]).expect_code(2).stderr;
+        assert!(refused.contains("--journal is for one mission"), "{refused}");
+    }
 }
 
 #[test]
 fn several_missions_are_a_table() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let json = folder.path().join("missions.json");
-    let args = ["explore", "tee", "--seed", "1", "--count", "2", "--json"].map(std::ffi::OsStr::new);
+    let args = ["explore", "tee", "--seed", "1..2", "--json"].map(std::ffi::OsStr::new);
     let ran = run(args.into_iter().chain([json.as_os_str()])).expect_code(0);
     let value: Value = serde_json::from_slice(&std::fs::read(&json).expect("written")).expect("a list");
     assert_eq!(value.as_array().map(Vec::len), Some(2));
@@ -91,7 +95,7 @@ fn a_mission_is_recorded_for_the_viewer() {
         assert_eq!(rows_of(&saved, stage), Some(revolutions), "a mission can be asked why: {stage}");
     }
     let light = folder.path().join("light.rrd").display().to_string();
-    let thinned = ["--detail", "light", "--set", "recording.revolutions=[[20, 29]]", "--quiet"];
+    let thinned = ["--set", "recording.detail=light", "--set", "recording.revolutions=[[20, 29]]", "--quiet"];
     run([&["explore", "tee", "--seed", "3", "--save", &light][..], &thinned].concat()).expect_code(0);
     let rows = ["/affinity/W", "/report/why", "/mission/walls"].map(|entity| rows_of(&light, entity));
     assert_eq!(rows, [None, Some(10), Some(revolutions)], "the mission is whole, the stages are not");

@@ -9,11 +9,11 @@ use crate::program::{Ran, lines, run, shipped_flight};
 fn commands(folder: &Path) -> Vec<Vec<PathBuf>> {
     let at = |name: &str| folder.join(name);
     let words = |words: &[&str], out: PathBuf| words.iter().map(PathBuf::from).chain([out]).collect::<Vec<_>>();
-    let mut of_run = words(&["run", "--results"], at("run.jsonl"));
+    let mut of_run = words(&["run", "--out"], at("run.jsonl"));
     of_run.extend(words(&["--map"], at("run.json")));
     vec![
         of_run,
-        words(&["map", "--out"], at("map.svg")),
+        words(&["run", "--map"], at("map.svg")),
         words(&["report", "--out"], at("report.html")),
         words(&["compare", "--with", "default", "--with", "threshold", "--json"], at("compare.json")),
     ]
@@ -79,7 +79,7 @@ fn a_converted_part_has_the_scans_of_that_part() {
     let convert = [PathBuf::from("convert"), "--out".into(), part.clone()];
     flown(&convert, &shipped_flight(), &selected).expect_code(0);
     let answers = |flight: &Path, more: &[&str]| {
-        let results = ["run", "--quiet", "--set", "flight.pose=odometry", "--results", "-"].map(PathBuf::from);
+        let results = ["run", "--quiet", "--set", "flight.pose=odometry", "--out", "-"].map(PathBuf::from);
         let stdout = flown(&results, flight, more).expect_code(0).stdout;
         lines(&stdout)
             .iter()
@@ -98,7 +98,7 @@ fn a_converted_part_has_the_scans_of_that_part() {
 fn tables_go_to_standard_output_and_words_to_standard_error() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let flight = shipped_flight();
-    let results = ["run", "--results"].map(PathBuf::from).into_iter();
+    let results = ["run", "--out"].map(PathBuf::from).into_iter();
     let ran = flown(&results.clone().chain([folder.path().join("r.jsonl")]).collect::<Vec<_>>(), &flight, &[]);
     let ran = ran.expect_code(0);
     assert!(ran.stdout.contains("of these, sure") && ran.stdout.contains("median ms"), "{}", ran.stdout);

@@ -11,7 +11,7 @@ use crate::program::{Ran, crosscut, results_of, run, shipped_flight};
 const SCANS: u64 = 150;
 
 fn follow(flight: &Path) -> (Child, BufReader<ChildStdout>) {
-    let args = ["run".as_ref(), flight.as_os_str(), "--follow".as_ref(), "--quiet".as_ref(), "--results".as_ref()];
+    let args = ["run".as_ref(), flight.as_os_str(), "--follow".as_ref(), "--quiet".as_ref(), "--out".as_ref()];
     let mut command = crosscut(args);
     let mut child = command.arg("-").stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts");
     let lines = BufReader::new(child.stdout.take().expect("it is piped"));
@@ -145,7 +145,7 @@ fn files_that_appear_in_a_folder_are_one_flight_with_its_odometry() {
 fn standard_input_is_answered_while_its_sender_pauses() {
     let flight = unchunked(&std::fs::read(shipped_flight()).expect("the shipped flight"));
     let expected = results_of(&shipped_flight(), &["--quiet"]).0.expect_code(0).stdout;
-    let args = ["run", "-", "--quiet", "--results", "-"];
+    let args = ["run", "-", "--quiet", "--out", "-"];
     let folder = tempfile::tempdir().expect("a temporary folder");
     let compressed = folder.path().join("tee.mcap.zst");
     std::fs::write(&compressed, zstd::encode_all(&flight[..], 1).expect("compressed")).expect("writable");
@@ -170,8 +170,8 @@ fn standard_input_is_answered_while_its_sender_pauses() {
 #[test]
 fn a_live_robot_needs_the_wheel_and_the_error_says_how_to_get_it() {
     for address in ["zenoh://robot/scan", "ros2://0/scan"] {
-        let said = run(["run", address, "--results", "-"]).expect_code(2).stderr;
+        let said = run(["run", address, "--out", "-"]).expect_code(2).stderr;
         assert!(said.contains("python/run --install"), "{said}");
-        assert!(run(["map", address, "--out", "map.json"]).expect_code(2).stderr.contains("`crosscut run` and"));
+        assert!(run(["report", address, "--out", "page.html"]).expect_code(2).stderr.contains("`crosscut run` and"));
     }
 }

@@ -1,9 +1,11 @@
 //! `rerun-importer-crosscut`, called as the Rerun viewer calls it.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+use std::sync::OnceLock;
 
 use crosscut_messages::{PointCloud2, SCHEMA_ENCODING};
+use tempfile::TempDir;
 
 use crate::flight::file;
 use crate::program::{run, shipped_flight};
@@ -11,9 +13,19 @@ use crate::program::{run, shipped_flight};
 /// The exit code that tells the viewer to ask other importers.
 const INCOMPATIBLE: i32 = 66;
 
-/// The viewer's call for a file.
+/// The viewer's call for a file: of the program, by the name of a link.
 fn importer(path: &Path) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_rerun-importer-crosscut"));
+    static LINK: OnceLock<(TempDir, PathBuf)> = OnceLock::new();
+    let (_, link) = LINK.get_or_init(|| {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let link = folder.path().join(format!("rerun-importer-crosscut{}", std::env::consts::EXE_SUFFIX));
+        #[cfg(unix)]
+        std::os::unix::fs::symlink(env!("CARGO_BIN_EXE_crosscut"), &link).expect("a link");
+        #[cfg(not(unix))]
+        std::fs::copy(env!("CARGO_BIN_EXE_crosscut"), &link).expect("a copy");
+        (folder, link)
+    });
+    let mut command = Command::new(link);
     command.arg(path).args(["--application-id", "viewer", "--recording-id", "one", "--a-later-option", "5"]);
     command
 }

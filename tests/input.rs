@@ -170,7 +170,7 @@ fn several_files_are_one_flight() {
         file(folder.path(), "flight_0.mcap", &bytes(&first, &Writing::default())),
         file(folder.path(), "flight_1.mcap", &bytes(&second, &Writing::default())),
     ];
-    let ran = run(["run".as_ref(), parts[0].as_os_str(), parts[1].as_os_str(), "--results".as_ref(), "-".as_ref()]);
+    let ran = run(["run".as_ref(), parts[0].as_os_str(), parts[1].as_os_str(), "--out".as_ref(), "-".as_ref()]);
     let lines = crate::program::lines(&ran.expect_code(0).stdout);
     assert_eq!(column(&lines, "seq"), [0, 1, 2, 3, 4]);
 }
@@ -186,7 +186,7 @@ fn standard_input_is_read_by_every_configuration_and_for_every_topic() {
         let input = std::fs::File::open(input).expect("a recording");
         Ran::from(crosscut(command).stdin(input).output().expect("the program starts")).expect_code(0).stdout
     };
-    let lines = piped(&flight, "run - --topic /front --topic /rear --results -");
+    let lines = piped(&flight, "run - --topic /front --topic /rear --out -");
     assert!(lines.contains("joined with /rear"), "{lines}");
     let compared = piped(&shipped_flight(), "compare - --with default --with threshold --json -");
     assert!(compared.contains("same_count"), "{compared}");
@@ -323,8 +323,7 @@ fn a_recording_without_readable_scans_fails_and_keeps_old_results() {
     damaged[2000] ^= 1; // inside the only chunk
     let flight = file(folder.path(), "flight.mcap", &damaged);
     let results = file(folder.path(), "results.jsonl", b"older\n");
-    let said =
-        run(["run".as_ref(), flight.as_os_str(), "--results".as_ref(), results.as_os_str()]).expect_code(1).stderr;
+    let said = run(["run".as_ref(), flight.as_os_str(), "--out".as_ref(), results.as_os_str()]).expect_code(1).stderr;
     assert!(said.contains("checksum") && said.contains("no scan could be read"), "{said}");
     assert_eq!(std::fs::read(results).expect("still there"), b"older\n");
 }
@@ -342,7 +341,7 @@ fn a_flight_of_which_no_scan_can_be_decoded_is_a_failure_and_older_results_stay(
     }
     let flight = file(folder.path(), "flight.mcap", &broken);
     let results = file(folder.path(), "results.jsonl", b"older\n");
-    let ran = run(["run".as_ref(), flight.as_os_str(), "--results".as_ref(), results.as_os_str()]).expect_code(1);
+    let ran = run(["run".as_ref(), flight.as_os_str(), "--out".as_ref(), results.as_os_str()]).expect_code(1);
     assert!(ran.stderr.contains("can be decoded"), "{}", ran.stderr);
     assert_eq!(std::fs::read(results).expect("still there"), b"older\n");
 }

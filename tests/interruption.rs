@@ -12,7 +12,7 @@ use crate::program::{Ran, column, crosscut, lines, results_of, run, shipped_flig
 fn start(folder: &Path) -> (Child, std::path::PathBuf) {
     let flight = file(folder, "flight.mcap", &tunnel(600, &Writing::default()));
     let results = folder.join("results.jsonl");
-    let args = ["run".as_ref(), flight.as_os_str(), "--rate".as_ref(), "1".as_ref(), "--results".as_ref()];
+    let args = ["run".as_ref(), flight.as_os_str(), "--rate".as_ref(), "1".as_ref(), "--out".as_ref()];
     let child = crosscut(args).arg(&results).stderr(Stdio::piped()).spawn().expect("the program starts");
     await_or_panic(|| std::fs::read_to_string(&results).unwrap_or_default().lines().count() >= 5);
     (child, results)
@@ -85,7 +85,7 @@ fn a_signal_ends_a_wait_for_a_reader() {
     let pipe = folder.path().join("pipe");
     assert!(Command::new("mkfifo").arg(&pipe).status().expect("mkfifo is on every Unix").success());
     let flight = shipped_flight();
-    let args = ["run".as_ref(), flight.as_os_str(), "--results".as_ref(), pipe.as_os_str()];
+    let args = ["run".as_ref(), flight.as_os_str(), "--out".as_ref(), pipe.as_os_str()];
     ends_soon_by_a_signal(crosscut(args).stderr(Stdio::piped()).spawn().expect("the program starts"));
 }
 
@@ -94,8 +94,7 @@ fn a_signal_ends_a_wait_for_a_reader() {
 fn a_file_that_another_run_writes_to_is_refused() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let (child, results) = start(folder.path());
-    let ran =
-        run(["run".as_ref(), shipped_flight().as_os_str(), "--results".as_ref(), results.as_os_str()]).expect_code(1);
+    let ran = run(["run".as_ref(), shipped_flight().as_os_str(), "--out".as_ref(), results.as_os_str()]).expect_code(1);
     assert!(ran.stderr.contains("another program is writing to it"), "{}", ran.stderr);
     signal(&child, "INT");
     Ran::from(child.wait_with_output().expect("it ends")).expect_code(130);
@@ -116,7 +115,7 @@ fn a_recording_in_use_is_refused_and_results_are_complete() {
     };
     let child = save(&flight).args(["--rate", "1"]).spawn().expect("the program starts");
     await_or_panic(|| rrd.metadata().is_ok_and(|file| file.len() > 0));
-    let other = save(&shipped_flight()).args(["--results", "-"]).output().expect("it runs");
+    let other = save(&shipped_flight()).args(["--out", "-"]).output().expect("it runs");
     let other = Ran::from(other).expect_code(3);
     assert!(other.stderr.contains("another program is writing to it"), "{}", other.stderr);
     assert_eq!(lines(&other.stdout).len(), 141);
@@ -194,7 +193,7 @@ fn an_interrupted_export_leaves_the_old_file() {
 
 #[test]
 fn a_closed_pipe_ends_the_run_silently() {
-    let mut child = crosscut(["run".as_ref(), shipped_flight().as_os_str(), "--results".as_ref(), "-".as_ref()])
+    let mut child = crosscut(["run".as_ref(), shipped_flight().as_os_str(), "--out".as_ref(), "-".as_ref()])
         .arg("--quiet")
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -241,8 +240,7 @@ fn a_killed_run_loses_at_most_a_second_of_an_mcap() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let flight = file(folder.path(), "flight.mcap", &tunnel(100, &Writing::default()));
     let out = folder.path().join("results.mcap");
-    let args =
-        ["run".as_ref(), flight.as_os_str(), "--rate".as_ref(), "1".as_ref(), "--results".as_ref(), out.as_os_str()];
+    let args = ["run".as_ref(), flight.as_os_str(), "--rate".as_ref(), "1".as_ref(), "--out".as_ref(), out.as_os_str()];
     let mut child = crosscut(args).stderr(Stdio::null()).spawn().expect("the program starts");
     await_or_panic(|| out.metadata().is_ok_and(|file| file.len() > 2000));
     signal(&child, "KILL");

@@ -20,7 +20,7 @@ fn messages_need_no_reader() {
     let simulate = ["simulate", "tee", "--out"].map(Path::new);
     assert_eq!(status_without_reader(&[&simulate[..], &[&made]].concat()).code(), Some(0));
     let flight = shipped_flight();
-    let run = [Path::new("run"), &flight, Path::new("--results"), &results];
+    let run = [Path::new("run"), &flight, Path::new("--out"), &results];
     assert_eq!(status_without_reader(&run).code(), Some(0), "the summary");
     assert_eq!(std::fs::read_to_string(results).expect("results").lines().count(), 141);
     assert_eq!(status_without_reader(&["run", "nowhere.mcap"].map(Path::new)).code(), Some(1), "an error");

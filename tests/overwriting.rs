@@ -37,8 +37,8 @@ fn refused(folder: &Path, command: &str) {
 fn the_input_is_never_overwritten() {
     let folder = folder();
     for input in ["@flight.mcap", "@"] {
-        refused(folder.path(), &format!("run {input} --results @flight.mcap"));
-        refused(folder.path(), &format!("run {input} --results @../{}/flight.mcap", name(folder.path())));
+        refused(folder.path(), &format!("run {input} --out @flight.mcap"));
+        refused(folder.path(), &format!("run {input} --out @../{}/flight.mcap", name(folder.path())));
         refused(folder.path(), &format!("compare {input} --json @flight.mcap"));
     }
     // A table is a recording, too.
@@ -58,7 +58,7 @@ fn the_input_is_not_overwritten_through_a_link() {
     std::fs::hard_link(at("flight.mcap"), at("hard")).expect("a link");
     std::os::unix::fs::symlink(at("flight.mcap"), at("soft")).expect("a link");
     for link in ["hard", "soft"] {
-        refused(folder.path(), &format!("run @flight.mcap --results @{link}"));
+        refused(folder.path(), &format!("run @flight.mcap --out @{link}"));
         refused(folder.path(), &format!("run @flight.mcap --save @{link}"));
         refused(folder.path(), &format!("compare @flight.mcap --csv @{link}"));
         refused(folder.path(), &format!("compare @flight.mcap --with default --with paper --json @{link}"));
@@ -73,20 +73,20 @@ fn one_file_under_two_names_is_not_written_twice() {
     std::fs::write(at("a.out"), "").expect("written");
     std::fs::hard_link(at("a.out"), at("b.out")).expect("a link");
     refused(folder.path(), "compare @flight.mcap --json @a.out --csv @b.out");
-    refused(folder.path(), "run @flight.mcap --results @a.out --save @b.out");
+    refused(folder.path(), "run @flight.mcap --out @a.out --save @b.out");
     let other_way = format!("@../{}/new", name(folder.path()));
-    refused(folder.path(), &format!("run @flight.mcap --results @new --save {other_way}"));
+    refused(folder.path(), &format!("run @flight.mcap --out @new --save {other_way}"));
 }
 
 #[test]
 fn the_configuration_file_is_never_overwritten() {
     let folder = folder();
-    refused(folder.path(), "run @flight.mcap --config @settings.toml --results @settings.toml");
+    refused(folder.path(), "run @flight.mcap --config @settings.toml --out @settings.toml");
     refused(folder.path(), "run @flight.mcap --config @settings.toml --save @settings.toml");
     refused(folder.path(), "convert @flight.mcap --config @settings.toml --out @settings.toml");
-    for (command, name) in [("map", "settings.json"), ("report", "settings.html")] {
+    for (output, name) in [("run --map", "settings.json"), ("report --out", "settings.html")] {
         std::fs::copy(folder.path().join("settings.toml"), folder.path().join(name)).expect("copied");
-        refused(folder.path(), &format!("{command} @flight.mcap --config @{name} --out @{name}"));
+        refused(folder.path(), &format!("{output} @{name} @flight.mcap --config @{name}"));
     }
     refused(folder.path(), "compare @flight.mcap --with @settings.toml,affinity.kind=rbf --csv @settings.toml");
     refused(folder.path(), "compare @flight.mcap --with default --with @settings.toml --json @settings.toml");

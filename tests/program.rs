@@ -50,9 +50,9 @@ pub(crate) fn run<A: AsRef<std::ffi::OsStr>>(args: impl IntoIterator<Item = A>) 
     crosscut(args).output().expect("the program starts").into()
 }
 
-/// Runs `crosscut run INPUT --results -` with more arguments; returns how it ended, and the lines of results.
+/// Runs `crosscut run INPUT --out -` with more arguments; returns how it ended, and the lines of results.
 pub(crate) fn results_of(input: &Path, more: &[&str]) -> (Ran, Vec<Value>) {
-    let mut args = vec!["run".to_owned(), input.display().to_string(), "--results".to_owned(), "-".to_owned()];
+    let mut args = vec!["run".to_owned(), input.display().to_string(), "--out".to_owned(), "-".to_owned()];
     args.extend(more.iter().map(ToString::to_string));
     let ran = run(args);
     let lines = lines(&ran.stdout);

@@ -13,7 +13,7 @@ use crate::program::{Ran, lines, run, shipped_flight};
 /// Records every eighth revolution of the shipped flight with these settings; returns the results.
 fn recorded(path: &Path, settings: &[&str]) -> Vec<Value> {
     let (input, path) = (shipped_flight().display().to_string(), path.display().to_string());
-    let fixed = ["run", &input, "--preset", "paper", "--every", "8", "--quiet", "--results", "-", "--save", &path];
+    let fixed = ["run", &input, "--preset", "paper", "--every", "8", "--quiet", "--out", "-", "--save", &path];
     lines(&run(fixed.iter().chain(settings)).expect_code(0).stdout)
 }
 
@@ -55,7 +55,7 @@ fn a_recording_is_listed_with_its_entities_versions_and_configuration() {
         assert!(listed.contains(word), "{word} in:\n{listed}");
     }
     assert!(!listed.contains("radii") && !listed.contains("[affinity]"));
-    let more = rrd(&["ls", flight, "--components", "--config"]).expect_code(0).stdout;
+    let more = rrd(&["ls", flight, "/scan/returns", "--config"]).expect_code(0).stdout;
     assert!(more.contains("radii") && more.contains("[affinity]"));
 }
 
@@ -118,11 +118,11 @@ fn an_export_has_the_selected_revolutions() {
         get(&flight, "/report/junctions", &out, more).expect_code(0);
         std::fs::read_to_string(&out).expect("exported").lines().count() - 1
     };
-    assert_eq!(count(&["--revolution", "16"]), 1);
+    assert_eq!(count(&["--at", "16"]), 1);
     assert_eq!(count(&["--from", "1.5", "--to", "3.3"]), 3); // revolutions 16, 24 and 32, at 10 Hz
     let text = std::fs::read_to_string(&out).expect("exported");
     assert!(text.starts_with("revolution,stamp_ns,value\n16,1700000001600000000,"), "{text}");
-    get(&flight, "/report/junctions", &out, &["--revolution", "17"]).expect_code(2);
+    get(&flight, "/report/junctions", &out, &["--at", "17"]).expect_code(2);
 }
 
 #[test]
@@ -135,13 +135,13 @@ fn arrays_have_a_dimension_of_revolutions_unless_one_is_selected() {
         (String::from_utf8_lossy(&bytes[..192]).into_owned(), bytes.len() - 192)
     };
     let (n, revolutions) = (results[2]["returns"].as_u64().expect("a number") as usize, results.len());
-    let (text, bytes) = header("/affinity/W", &["--exact", "--revolution", "16"]);
+    let (text, bytes) = header("/affinity/W", &["--exact", "--at", "16"]);
     assert!(text.contains("'<f8'") && text.contains(&format!("({n}, {n}, )")) && bytes == 8 * n * n, "{text}");
     let (text, bytes) = header("/scan/ranges", &[]);
     assert!(text.contains("'<f4'") && text.contains(&format!("({revolutions}, 360, )")), "{text}");
     assert_eq!(bytes, 4 * 360 * revolutions);
     let ran = get(&flight, "/affinity/degrees", &out, &[]).expect_code(2);
-    assert!(ran.stderr.contains("--revolution"), "lengths differ: {}", ran.stderr);
+    assert!(ran.stderr.contains("--at"), "lengths differ: {}", ran.stderr);
 }
 
 #[test]
@@ -150,7 +150,7 @@ fn a_failed_export_leaves_the_old_file() {
     let out = folder.path().join("keep.npy");
     std::fs::write(&out, "good").expect("written");
     get(&flight, "/affinity/degrees", &out, &[]).expect_code(2); // of different lengths
-    get(&flight, "/report/junctions", &out, &["--revolution", "17"]).expect_code(2); // not recorded
+    get(&flight, "/report/junctions", &out, &["--at", "17"]).expect_code(2); // not recorded
     assert_eq!(std::fs::read_to_string(&out).expect("still there"), "good");
     let files = || std::fs::read_dir(folder.path()).expect("a folder").count();
     assert_eq!(files(), 2, "the recording and what was there");
@@ -169,7 +169,7 @@ fn static_entities_are_exported_once_without_a_revolution() {
     };
     let config = text("config.csv", "/config", &[]);
     assert!(config.starts_with("revolution,stamp_ns,item,value\n,,0,") && config.contains("[affinity]"), "{config}");
-    let extent = text("extent.csv", "/layout/extent", &["--revolution", "16"]);
+    let extent = text("extent.csv", "/layout/extent", &["--at", "16"]);
     assert!(extent.starts_with("revolution,stamp_ns,") && extent.lines().nth(1).is_some_and(|l| l.starts_with(",,0,")));
     get(&flight, "/config", &folder.path().join("config.npy"), &[]).expect_code(2);
 }
@@ -180,14 +180,15 @@ fn what_cannot_be_exported_is_said_with_what_can() {
     let says = |ran: Ran, word: &str| assert!(ran.stderr.contains(word), "{}", ran.stderr);
     let out = folder.path().join("x.csv");
     says(get(&flight, "/affinity/X", &out, &[]).expect_code(2), "/affinity/W");
-    says(get(&flight, "/affinity/W", &out, &["--component", "Tensor:data"]).expect_code(2), "EncodedDepthImage:blob");
+    says(get(&flight, "/affinity/W:Tensor:data", &out, &[]).expect_code(2), "EncodedDepthImage:blob");
     says(get(&flight, "/report/place", &out, &["--exact"]).expect_code(2), "/spectral/U");
     says(get(&flight, "/affinity/W", &folder.path().join("x.txt"), &[]).expect_code(2), ".npy");
     says(get(&flight, "/report/place", &folder.path().join("x.npy"), &[]).expect_code(2), ".csv");
     says(get(&flight, "/report/place", &folder.path().join("x.jsonl"), &[]).expect_code(2), ".npy, .csv or .md");
     says(get(&flight, "/affinity/W", &flight, &[]).expect_code(2), "overwritten");
     let light = folder.path().join("light.rrd");
-    let arguments = ["run", "--quiet", "--to", "0.5", "--detail", "light", "--save"].map(std::ffi::OsString::from);
+    let arguments =
+        ["run", "--quiet", "--to", "0.5", "--set", "recording.detail=light", "--save"].map(std::ffi::OsString::from);
     run(arguments.into_iter().chain([light.clone().into(), shipped_flight().into()])).expect_code(0);
     says(get(&light, "/affinity/W", &out, &[]).expect_code(2), "--exact recomputes it");
 }
@@ -201,10 +202,10 @@ fn a_matrix_too_large_to_draw_exports_no_zeros() {
     let [input, saved] = [&input, &flight].map(|path| path.to_str().expect("UTF-8"));
     run(["run", input, "--quiet", "--save", saved]).expect_code(0);
     let w = |more: &[&str]| get(&flight, "/affinity/W", &out, more);
-    let refused = w(&["--revolution", "1"]).expect_code(2).stderr;
+    let refused = w(&["--at", "1"]).expect_code(2).stderr;
     assert!(refused.contains("more than 1024") && refused.contains("--exact") && !out.exists(), "{refused}");
     assert!(w(&[]).expect_code(0).stderr.contains("no picture of 1 revolution"));
-    w(&["--revolution", "1", "--exact"]).expect_code(0);
+    w(&["--at", "1", "--exact"]).expect_code(0);
     // The Laplacian of returns without edges is 0, and is drawn.
     let alone = recorded(&flight, &["--set", "affinity.sigma_per_m2=1e6"]).len();
     let zeros = get(&flight, "/spectral/L", &out, &[]).expect_code(0).stderr;
@@ -321,9 +322,9 @@ fn the_reasons_of_a_revolution_are_read_without_a_viewer() {
     get(&flight, "/report/why", &out, &[]).expect_code(0);
     let all = std::fs::read_to_string(&out).expect("exported");
     assert_eq!(all.matches("# Revolution ").count(), results.len());
-    let printed = get(&flight, "/report/why", Path::new("-"), &["--revolution", "16"]).expect_code(0).stdout;
+    let printed = get(&flight, "/report/why", Path::new("-"), &["--at", "16"]).expect_code(0).stdout;
     assert!(!printed.is_empty() && all.contains(&printed) && !printed.starts_with("# Revolution"), "{printed}");
-    let numbers = get(&flight, "/spectral/U", Path::new("-"), &["--revolution", "16"]).expect_code(2).stderr;
+    let numbers = get(&flight, "/spectral/U", Path::new("-"), &["--at", "16"]).expect_code(2).stderr;
     assert!(numbers.contains("no text") && numbers.contains(".npy"), "{numbers}");
 }
 

@@ -62,8 +62,7 @@ fn a_recording_of_a_run_that_failed_says_why() {
     let failing = ["--preset", "paper", "--set", "pipeline.memory_mb=40", "--save", &saved];
     let (ran, lines) = results_of(&flight, &failing);
     assert_eq!((ran.expect_code(1).stdout.lines().count(), lines.len()), (2, 2));
-    run(["rrd", "get", &saved, "/log", "--component", "TextLog:text", "--revolution", "2", "--out", &log])
-        .expect_code(0);
+    run(["rrd", "get", &saved, "/log:TextLog:text", "--at", "2", "--out", &log]).expect_code(0);
     let said = std::fs::read_to_string(log).expect("written");
     assert!(said.contains("affinity failed on revolution 2: 2000 returns would need"), "{said}");
 }
@@ -109,7 +108,7 @@ fn without_a_viewer_the_recording_is_saved_with_code_3() {
 fn a_full_disk_leaves_complete_results_and_a_readable_recording() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let saved = folder.path().join("flight.rrd");
-    let arguments = ["run", "--preset", "paper", "--every", "2", "--quiet", "--results", "-", "--save"];
+    let arguments = ["run", "--preset", "paper", "--every", "2", "--quiet", "--out", "-", "--save"];
     let crosscut = crosscut(arguments);
     // With SIGXFSZ ignored, a write beyond the limit (8000 blocks of 512 bytes or more) is an error as on a full disk.
     let mut limited = std::process::Command::new("sh");
@@ -140,33 +139,6 @@ fn a_run_whose_only_output_fails_ends_at_once() {
     };
     let ran = run(arguments(&[])).expect_code(1);
     assert!(ran.stderr.starts_with("lost: ") && ran.stderr.contains("error: no other output"), "{}", ran.stderr);
-    let ran = run(arguments(&["--results", "-"])).expect_code(3);
+    let ran = run(arguments(&["--out", "-"])).expect_code(3);
     assert!(ran.stderr.starts_with("lost: ") && lines(&ran.stdout).len() == 141, "{}", ran.stderr);
-}
-
-#[test]
-fn layers_of_a_flight_are_one_recording_with_all_its_values() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let path = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
-    let flight = shipped_flight().to_str().expect("UTF-8").to_owned();
-    let save = |input: &str, name: &str, more: &[&str]| {
-        let to = path(name);
-        run([&["run", input, "--quiet", "--save", &to][..], more].concat()).expect_code(0);
-        to
-    };
-    let plain = save(&flight, "plain.rrd", &["--preset", "paper"]);
-    let paper = save(&flight, "paper.rrd", &["--preset", "paper", "--layer", "paper"]);
-    let mine = save(&flight, "mine.rrd", &["--layer", "mine"]);
-    let of_plain = save(&plain, "again.rrd", &["--layer", "again"]);
-    let id = |path: &str| {
-        let begins = String::from_utf8_lossy(&std::fs::read(path).expect("it is there")[..400]).into_owned();
-        let found = begins.split(|c: char| !(c.is_alphanumeric() || "_-".contains(c))).find(|word| word.len() > 30);
-        found.expect("an id").to_owned()
-    };
-    assert_eq!(id(&paper), id(&mine));
-    assert_eq!(id(&of_plain), id(&plain), "a layer of the recording that it was made from");
-    assert_ne!(id(&paper), id(&plain), "who asks for no layer gets a recording of its own");
-    run(["rrd", "diff", &plain, &paper]).expect_code(0);
-    let refused = run(["run", &flight, "--save", &path("no.rrd"), "--layer", "scan"]).expect_code(2).stderr;
-    assert!(refused.contains("no entity of a recording begins with"), "{refused}");
 }

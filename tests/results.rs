@@ -115,7 +115,7 @@ fn results_as_an_mcap_hold_the_scans_and_the_same_lines() {
     let mounting = ["--set", "ingest.upside_down=true", "--set", "ingest.yaw_rad=0.5"];
     let (_, expected) = results_of(&shipped_flight(), &mounting);
     let flight = shipped_flight();
-    let args = [Path::new("run"), &flight, Path::new("--results"), &out];
+    let args = [Path::new("run"), &flight, Path::new("--out"), &out];
     run(args.into_iter().chain(mounting.iter().map(Path::new))).expect_code(0);
     let bytes = std::fs::read(&out).expect("written");
     let messages: Vec<_> =
@@ -138,7 +138,7 @@ fn a_flight_that_cannot_be_read_leaves_older_results_as_mcap() {
     let (out, broken) = (folder.path().join("answers.mcap"), folder.path().join("broken.mcap"));
     std::fs::write(&out, "older").expect("written");
     std::fs::write(&broken, "no recording").expect("written");
-    run([Path::new("run"), &broken, Path::new("--results"), &out]).expect_code(1);
+    run([Path::new("run"), &broken, Path::new("--out"), &out]).expect_code(1);
     assert_eq!(std::fs::read(&out).expect("there"), b"older");
 }
 
@@ -148,7 +148,7 @@ fn results_that_cannot_be_ended_leave_the_map() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let flight = file(folder.path(), "tunnel.mcap", &tunnel(5, &Writing::default()));
     let (out, map) = (folder.path().join("answers.mcap"), folder.path().join("map.json"));
-    let command = crosscut([Path::new("run"), &flight, Path::new("--results"), &out, Path::new("--map"), &map]);
+    let command = crosscut([Path::new("run"), &flight, Path::new("--out"), &out, Path::new("--map"), &map]);
     // No file grows beyond a block, which holds the start of an MCAP and an empty map.
     let limited = "trap '' XFSZ; ulimit -f 1; exec \"$0\" \"$@\"";
     let ran = Command::new("sh").args(["-c", limited]).arg(command.get_program()).args(command.get_args()).output();

@@ -67,7 +67,7 @@ fn a_plan_is_flown_and_its_map_has_its_junctions() {
     let again = folder.path().join("again.mcap");
     simulate(&again).expect_code(0);
     assert_eq!(std::fs::read(&again).expect("written"), std::fs::read(&flight).expect("written"), "the same bytes");
-    let said = run([Path::new("map"), &flight, Path::new("--out"), &map]).expect_code(0).stderr;
+    let said = run([Path::new("run"), &flight, Path::new("--map"), &map]).expect_code(0).stderr;
     assert!(said.starts_with("1 junction: 1 tee; "), "{said}");
 
     let refused = simulate(&plan).expect_code(2).stderr;
@@ -97,7 +97,7 @@ fn a_flight_has_the_map_of_its_mine_and_the_odometry_that_was_asked_for() {
     };
     let usual = fly("usual.mcap", &[]);
     assert_eq!(topics(&usual), ["/odom", "/scan", "/tf", "/truth", "/truth/map"]);
-    assert_eq!(topics(&fly("scans.mcap", &["--no-odometry"])), ["/scan", "/truth", "/truth/map"]);
+    assert_eq!(topics(&fly("scans.mcap", &["--drift", "none"])), ["/scan", "/truth", "/truth/map"]);
     let drifting = fly("drifting.mcap", &["--drift", "0.1"]);
     assert_eq!(scans(&usual), scans(&drifting), "drift changes the odometry alone");
     assert_ne!(std::fs::read(usual).expect("made"), std::fs::read(drifting).expect("made"));

@@ -54,6 +54,10 @@ fn two_recordings_have_separate_entities() {
         assert!(listed.contains(entity), "{entity} in\n{listed}");
     }
     assert!(!listed.contains(" /scan/returns"), "{listed}");
+    let beside = Path::new("--beside");
+    for more in [left.as_path(), Path::new("robot.mcap")] {
+        view(folder.path(), &[&left, beside, &right, beside, more]).0.expect_code(2);
+    }
 }
 
 #[test]

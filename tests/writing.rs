@@ -50,12 +50,11 @@ const fn output(command: &'static str, out: &'static str, holds: Holds) -> Outpu
 }
 
 const OUTPUTS: &[Output] = &[
-    output("run FLIGHT --quiet --results @", "results.jsonl", Holds::Beginning),
-    output("run FLIGHT --quiet --results @", "results.mcap", Holds::Beginning),
+    output("run FLIGHT --quiet --out @", "results.jsonl", Holds::Beginning),
+    output("run FLIGHT --quiet --out @", "results.mcap", Holds::Beginning),
     output("run FLIGHT --quiet --map @", "map.json", Holds::Json),
     output("run FLIGHT --quiet --rate 20 --map @", "map.json", Holds::Json),
-    output("map FLIGHT --quiet --out @", "map.svg", Holds::End("</svg>")),
-    output("map FLIGHT --quiet --out @", "map.graphml", Holds::End("</graphml>\n")),
+    output("run FLIGHT --quiet --map @", "map.svg", Holds::End("</svg>")),
     output("report FLIGHT --quiet --out @", "page.html", Holds::End("</html>\n")),
     output("convert FLIGHT --out @", "converted.mcap", Holds::All),
     output("compare FLIGHT --quiet --with default --with threshold --json @", "c.json", Holds::Json),
@@ -71,7 +70,7 @@ const OUTPUTS: &[Output] = &[
     #[cfg(feature = "rerun")]
     output("rrd get RECORDING /kmeans/labels --out @", "labels.csv", Holds::All),
     #[cfg(feature = "rerun")]
-    output("rrd get RECORDING /spectral/U --revolution 17 --out @", "u.npy", Holds::All),
+    output("rrd get RECORDING /spectral/U --at 17 --out @", "u.npy", Holds::All),
 ];
 
 /// A short tunnel.
@@ -220,12 +219,12 @@ fn closed_or_unwritable_standard_output_is_an_error() {
     let flight = shipped_flight();
     for redirection in [">&-", "1</dev/null", ">/dev/full"] {
         let mut shell = Command::new("sh");
-        shell.args(["-c", &format!("exec \"$0\" run \"$1\" --quiet --results - {redirection}")]);
+        shell.args(["-c", &format!("exec \"$0\" run \"$1\" --quiet --out - {redirection}")]);
         let ran: Ran = shell.arg(env!("CARGO_BIN_EXE_crosscut")).arg(&flight).output().expect("it runs").into();
         let ran = ran.expect_code(1);
         assert!(ran.stderr.starts_with("error: "), "{redirection}: {}", ran.stderr);
     }
-    let mut command = crosscut(["run".as_ref(), flight.as_os_str(), "--results".as_ref(), "-".as_ref()]);
+    let mut command = crosscut(["run".as_ref(), flight.as_os_str(), "--out".as_ref(), "-".as_ref()]);
     assert_eq!(command.arg("--quiet").stdout(Stdio::null()).status().expect("it runs").code(), Some(0));
 }
 
@@ -236,7 +235,7 @@ fn a_signal_ends_a_run_whose_output_nobody_reads() {
     let pipe = folder.path().join("pipe");
     assert!(Command::new("mkfifo").arg(&pipe).status().expect("it is on every Unix").success());
     let flight = shipped_flight();
-    let mut child = crosscut(["run".as_ref(), flight.as_os_str(), "--results".as_ref(), pipe.as_os_str()])
+    let mut child = crosscut(["run".as_ref(), flight.as_os_str(), "--out".as_ref(), pipe.as_os_str()])
         .stderr(Stdio::null())
         .spawn()
         .expect("it starts");

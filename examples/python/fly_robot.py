@@ -18,11 +18,10 @@ import crosscut.live
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("robot", metavar="ADDRESS", help="zenoh://HOST[:PORT]/TOPIC, or over DDS ros2://DOMAIN/TOPIC")
+    parser.add_argument("robot", metavar="ADDRESS", help="zenoh://HOST[:PORT]/TOPIC[?domain=N], or over DDS ros2://DOMAIN/TOPIC")
     parser.add_argument("--odometry", default="/odom")
     parser.add_argument("--command", default="/cmd_vel")
     parser.add_argument("--stamped", action="store_true", help="the base takes TwistStamped")
-    parser.add_argument("--domain", type=int, default=0, help="ROS domain of a robot on Zenoh [default: 0]")
     parser.add_argument("--planner", default="nearest_frontier")
     parser.add_argument("--width-m", type=float, default=0.6, help="the robot's diameter [default: 0.6]")
     parser.add_argument("--speed-m-s", type=float, default=0.5, help="its largest speed [default: 0.5]")
@@ -30,7 +29,7 @@ def main() -> None:
     args = parser.parse_args()
     limits = {"speed_max_m_s": args.speed_m_s, "turn_rate_max_rad_s": args.turn_rate_rad_s}
     navigator = crosscut.Navigator(crosscut.Engine(vehicle={"width_m": args.width_m}), args.planner, **limits)
-    with crosscut.live.Robot(args.robot, odometry=args.odometry, domain=args.domain) as robot:
+    with crosscut.live.Robot(args.robot, odometry=args.odometry) as robot:
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, lambda *_: robot.stop())
         try:

@@ -27,7 +27,7 @@ ARGUMENTS = {
 
 def command(value) -> list[str]:
     """The words of `crosscut run`, of a function that gives the value of an argument."""
-    odometry = ["--odometry", value("odometry")] if value("odometry") else []
+    odometry = ["--set", f"ingest.odometry={value('odometry')}"] if value("odometry") else []
     robot = value("robot") + value("scan")
     return ["crosscut", "run", robot, *odometry, "--publish", value("publish"), *shlex.split(value("options"))]
 

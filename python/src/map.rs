@@ -10,7 +10,7 @@ pub(crate) struct Map(pub(crate) Graph);
 
 #[pymethods]
 impl Map {
-    /// The nodes, and the passages as (from, to, attributes); both with the names of `crosscut map`'s JSON.
+    /// The nodes, and the passages as (from, to, attributes); both with the names of `crosscut run --map FILE.json`.
     fn graph<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyList>, Bound<'py, PyList>)> {
         let map = &self.0;
         let (nodes, passages) = (PyList::empty(py), PyList::empty(py));

@@ -45,9 +45,7 @@ fn options<'py>(py: Python<'py>, robot: &RobotAddress) -> PyResult<Bound<'py, Py
     let options = PyDict::new(py);
     options.set_item("topic", &robot.topic)?;
     options.set_item("beside", &robot.beside)?;
-    options.set_item("domain", robot.domain)?;
     options.set_item("message_type", &robot.message_type)?;
-    options.set_item("zenoh_config", &robot.zenoh_config)?;
     options.set_item("publish", &robot.publish)?;
     Ok(options)
 }

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import os
+import re
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -30,33 +29,35 @@ def failing(points):
 
 
 class Prompt:
-    """A session that is talked to in JSON-RPC."""
+    """A session that is talked to by lines through a pipe."""
 
     def __init__(self, *args: object, cwd: Path):
         self.process = subprocess.Popen(
-            [in_wheel(), "debug", *map(str, args), "--json"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=cwd,
-            env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1"},
+            [in_wheel(), "debug", *map(str, args)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+            text=True, cwd=cwd, env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1"},
         )  # fmt: skip
+        assert self.process.stdout is not None
+        self.process.stdout.readline()  # its greeting
+        self.refused = False
 
-    def ask(self, line: str) -> dict[str, Any]:
+    def ask(self, line: str) -> str:
+        """The answer, up to that of a command that is known to be one line."""
         assert self.process.stdin is not None and self.process.stdout is not None
-        method, *params = line.split()
-        self.process.stdin.write(json.dumps({"jsonrpc": "2.0", "id": 1, "method": method, "params": params}) + "\n")
+        self.process.stdin.write(f"{line}\nbreak\n")
         self.process.stdin.flush()
-        answer: dict[str, Any] = json.loads(self.process.stdout.readline())
-        return answer
+        return "".join(iter(self.process.stdout.readline, "no break\n"))
 
-    def __call__(self, line: str) -> dict[str, Any]:
-        """The result of a command."""
+    def __call__(self, line: str) -> str:
+        """The answer to a command."""
         answer = self.ask(line)
-        assert "result" in answer, answer
-        result: dict[str, Any] = answer["result"]
-        return result
+        assert not answer.startswith("error: "), answer
+        return answer
 
     def refusal(self, line: str) -> str:
         answer = self.ask(line)
-        assert "error" in answer, answer
-        return str(answer["error"]["message"])
+        assert answer.startswith("error: "), answer
+        self.refused = True
+        return answer
 
 
 @pytest.fixture
@@ -69,15 +70,14 @@ def prompt(tee: Path, tmp_path: Path) -> Iterator[Prompt]:
     assert prompt.process.stdout is not None
     prompt.process.stdin.close()
     prompt.process.stdout.close()
-    assert prompt.process.wait(timeout=60) == 0
+    assert prompt.process.wait(timeout=60) == int(prompt.refused)
 
 
 def test_a_foreign_stage_is_debugged_to_the_number_that_is_wrong(prompt: Prompt, tmp_path: Path) -> None:
     prompt("seek 107")
     prompt("hold")
-    swapped = prompt("swap affinity=python:mine.affinity")
-    assert swapped["walls"] == 14, "the scale is wrong"
-    assert prompt("diff")["stage"] == "affinity"
+    assert ": 14 walls, " in prompt("swap affinity=python:mine.affinity"), "the scale is wrong"
+    assert prompt("diff").startswith("affinity: ")
     # Which number? W of both, and the distances between the returns, say.
     prompt(f"get W {tmp_path / 'mine.npy'}")
     prompt(f"get points {tmp_path / 'points.npy'}")
@@ -87,10 +87,9 @@ def test_a_foreign_stage_is_debugged_to_the_number_that_is_wrong(prompt: Prompt,
     assert np.log(mine) / np.log(w) == pytest.approx(10.0), "σ is ten times too large"
     # Mended in the editor, and taken again: no session is lost.
     (tmp_path / "mine.py").write_text(MODULE.format(sigma=1.5))
-    again = prompt("swap affinity=python:mine.affinity")
-    assert again["walls"] == 4
-    assert prompt("differs")["differ"] == []
-    assert "python:mine.affinity#2" in prompt("settings")["text"], "both can be told apart"
+    assert ": 4 walls, " in prompt("swap affinity=python:mine.affinity")
+    assert "A and now differ in 0 of 141" in prompt("differs")
+    assert "python:mine.affinity#2" in prompt("settings"), "both can be told apart"
 
 
 def test_the_code_that_is_held_stays_as_it_was(prompt: Prompt, tmp_path: Path) -> None:
@@ -99,25 +98,25 @@ def test_the_code_that_is_held_stays_as_it_was(prompt: Prompt, tmp_path: Path) -
     prompt("hold")
     (tmp_path / "mine.py").write_text(MODULE.format(sigma=1.5))
     prompt("swap affinity=python:mine.affinity")
-    differ = prompt("differs")["differ"]
-    assert 107 in differ and len(differ) > 20, "A is answered by the code that was held"
+    differ = re.search(r"A and now differ in (\d+) of 141", prompt("differs"))
+    assert differ is not None and int(differ[1]) > 20, "A is answered by the code that was held"
 
 
 def test_a_stage_that_raises_leaves_the_prompt_and_says_where(prompt: Prompt) -> None:
-    before = prompt("seek 107")["text"]
+    before = prompt("seek 107").strip()
     failed = prompt("swap affinity=python:mine.failing")
-    assert "mine.failing raised ValueError: too many points for me" in failed["text"]
-    assert 'mine.py", line 12, in failing' in failed["traceback"] and failed["traceback"] in failed["text"] + "\n"
-    assert "without an answer" in prompt("again")["text"]
-    assert prompt("unset all")["text"].startswith(before)
+    assert "mine.failing raised ValueError: too many points for me" in failed
+    assert 'mine.py", line 12, in failing' in failed
+    assert "without an answer" in prompt("again")
+    assert prompt("unset all").startswith(before)
 
 
 @pytest.mark.parametrize("name, says", [("absent.affinity", "No module named 'absent'"), ("mine.absent", "no attribute 'absent'"),
                                         ("mine.SIGMA_PER_M2", "it is not callable"), ("mine", "python:module.name")])
 def test_a_stage_that_is_not_there_is_refused(prompt: Prompt, name: str, says: str) -> None:
-    before = prompt("show")["text"]
+    before = prompt("show")
     assert says in prompt.refusal(f"swap affinity=python:{name}")
-    assert prompt("show")["text"] == before
+    assert prompt("show") == before
 
 
 def test_a_file_of_settings_runs_no_code(tee: Path, tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ import crosscut
 
 def test_the_map_is_that_of_the_command_line(program: str, tee: Path, tmp_path: Path) -> None:
     path = tmp_path / "map.json"
-    subprocess.run([program, "map", tee, "--out", path, "--quiet"], check=True)
+    subprocess.run([program, "run", tee, "--map", path, "--quiet"], check=True)
     expected = json.loads(path.read_text())
     flight = crosscut.Flight()
     for scan in crosscut.read(tee):
@@ -34,7 +34,7 @@ def test_the_map_is_that_of_the_command_line(program: str, tee: Path, tmp_path: 
 
 
 def test_results_of_a_flight_are_the_lines_of_the_command_line(program: str, tee: Path) -> None:
-    lines = subprocess.run([program, "run", tee, "--results", "-", "--quiet"], check=True, capture_output=True, text=True)
+    lines = subprocess.run([program, "run", tee, "--out", "-", "--quiet"], check=True, capture_output=True, text=True)
     engine = crosscut.Engine()
     flight = crosscut.Flight(engine)
     results = [flight.process(scan) for scan in crosscut.read(tee)]

@@ -28,8 +28,8 @@ def test_a_robot_on_zenoh_gets_the_commands_of_its_scans(network: tuple[Any, int
         "7/robot1/cmd_vel/**",
         lambda sample: heard.append((str(sample.key_expr), sample.payload.to_bytes(), sample.attachment.to_bytes())),
     )
-    topics = ["--odometry", "/robot1/odom", "--command", "/robot1/cmd_vel", "--domain", "7"]
-    robot = subprocess.Popen([sys.executable, EXAMPLE, f"zenoh://127.0.0.1:{port}/robot1/scan", *topics])
+    topics = ["--odometry", "/robot1/odom", "--command", "/robot1/cmd_vel"]
+    robot = subprocess.Popen([sys.executable, EXAMPLE, f"zenoh://127.0.0.1:{port}/robot1/scan?domain=7", *topics])
     try:
         wait_for_subscriber(session, SCANS)
         wait_for_subscriber(session, ODOMETRY)

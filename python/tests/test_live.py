@@ -121,8 +121,8 @@ def test_answers_to_a_live_robot_are_those_of_its_recording(
     listeners.append(session.declare_subscriber(topic, drawings.append))
     results, flight_map = tmp_path / "live.jsonl", tmp_path / "live.json"
     process = subprocess.Popen(
-        [in_wheel(), "run", f"zenoh://127.0.0.1:{port}/robot1/scan", "--domain", "7", "--odometry", "/robot1/odom",
-         "--publish", "crosscut", "--results", results, "--map", flight_map],
+        [in_wheel(), "run", f"zenoh://127.0.0.1:{port}/robot1/scan?domain=7", "--set", "ingest.odometry=/robot1/odom",
+         "--publish", "crosscut", "--out", results, "--map", flight_map],
         stderr=subprocess.PIPE, text=True)
     try:
         wait_for_subscriber(session, SCANS)
@@ -139,7 +139,7 @@ def test_answers_to_a_live_robot_are_those_of_its_recording(
         said = process.communicate(timeout=60)[1]
     assert process.returncode == 0, said
     assert f"{scans} revolutions in" in said
-    of_file = subprocess.run([in_wheel(), "run", tee, "--results", "-", "--quiet"], capture_output=True, text=True, check=True)
+    of_file = subprocess.run([in_wheel(), "run", tee, "--out", "-", "--quiet"], capture_output=True, text=True, check=True)
     live = [json.loads(line) for line in results.read_text().splitlines()]
     assert live == heard["results"], "what is published is what is written"
     assert results.read_text() == of_file.stdout
@@ -158,14 +158,14 @@ def test_answers_to_a_live_robot_are_those_of_its_recording(
 @needs_recordings
 def test_a_robot_is_recorded_with_every_option_and_through_a_kill(network: tuple[Any, int], tee: Path, tmp_path: Path) -> None:
     session, port = network
-    robot = [in_wheel(), "run", f"zenoh://127.0.0.1:{port}/robot1/scan", "--domain", "7", "--odometry", "/robot1/odom"]
+    robot = [in_wheel(), "run", f"zenoh://127.0.0.1:{port}/robot1/scan?domain=7", "--set", "ingest.odometry=/robot1/odom"]
     settings = tmp_path / "settings.toml"
     settings.write_text("[pipeline]\nworkers = 1\n[affinity]\nkind = 'rbf'\n")
     messages = recorded(tee)
     scans = sum(key == SCANS for key, _ in messages)
     for killed in (False, True):
         made = {name: tmp_path / f"{killed}.{name}" for name in ("rrd", "mcap", "json")}
-        process = subprocess.Popen([*robot, "--save", made["rrd"], "--results", made["mcap"], "--map", made["json"], "--config", settings],
+        process = subprocess.Popen([*robot, "--save", made["rrd"], "--out", made["mcap"], "--map", made["json"], "--config", settings],
                                    stderr=subprocess.PIPE, text=True)
         wait_for_subscriber(session, SCANS)
         wait_for_subscriber(session, ODOMETRY)
@@ -214,15 +214,15 @@ def test_motion_is_corrected_as_in_the_recording(
 ) -> None:
     session, port = network
     recording = spinning(tee, tmp_path / "spinning.mcap")
-    said = subprocess.run([in_wheel(), "run", recording, "--results", "-", "--quiet"], capture_output=True, check=True)
+    said = subprocess.run([in_wheel(), "run", recording, "--out", "-", "--quiet"], capture_output=True, check=True)
     expected = [json.loads(line) for line in said.stdout.splitlines()]
     turned = sum("turned by 17.2° during the scan" in " ".join(line["notes"]) for line in expected)
     # No scan is left out or answered before its odometry, however slow this machine is.
     monkeypatch.setattr(crosscut.live, "AHEAD", len(expected))
     monkeypatch.setattr(crosscut.live, "POSE_WAIT_S", 30.0)
     flight = crosscut.Flight()
-    address = f"zenoh://127.0.0.1:{port}/robot1/scan"
-    with crosscut.live.Robot(address, odometry="/robot1/odom", domain=7) as robot:
+    address = f"zenoh://127.0.0.1:{port}/robot1/scan?domain=7"
+    with crosscut.live.Robot(address, odometry="/robot1/odom") as robot:
         wait_for_subscriber(session, SCANS)
         wait_for_subscriber(session, ODOMETRY)
         threading.Thread(target=send, args=(session, recorded(recording), 0.001)).start()
@@ -235,7 +235,7 @@ def test_motion_is_corrected_as_in_the_recording(
 def test_scans_that_are_lost_are_counted(network: tuple[Any, int], tee: Path) -> None:
     session, port = network
     messages = [message for message in recorded(tee) if message[0] == SCANS][:12]
-    with crosscut.live.Robot(f"zenoh://127.0.0.1:{port}/robot1/scan", domain=7) as robot:
+    with crosscut.live.Robot(f"zenoh://127.0.0.1:{port}/robot1/scan?domain=7") as robot:
         wait_for_subscriber(session, SCANS)
         send(session, messages, 0.002, lost=frozenset({3, 4, 8}))
         taken = [next(iter(robot)) for _ in range(len(messages) - 3)]
@@ -247,7 +247,7 @@ def test_scans_that_are_lost_are_counted(network: tuple[Any, int], tee: Path) ->
 def test_a_slow_answer_leaves_out_the_oldest_scans(network: tuple[Any, int], tee: Path) -> None:
     session, port = network
     messages = [message for message in recorded(tee) if message[0] == SCANS][: crosscut.live.AHEAD + 5]
-    with crosscut.live.Robot(f"zenoh://127.0.0.1:{port}/robot1/scan", domain=7) as robot:
+    with crosscut.live.Robot(f"zenoh://127.0.0.1:{port}/robot1/scan?domain=7") as robot:
         wait_for_subscriber(session, SCANS)
         send(session, messages, 0.002)
         deadline = time.monotonic() + 30
@@ -263,7 +263,7 @@ def test_a_router_that_was_away_is_found_again(tee: Path) -> None:
     port = free_port()
     session = router(port)
     messages = [message for message in recorded(tee) if message[0] == SCANS]
-    with crosscut.live.Robot(f"zenoh://127.0.0.1:{port}/robot1/scan", domain=7) as robot:
+    with crosscut.live.Robot(f"zenoh://127.0.0.1:{port}/robot1/scan?domain=7") as robot:
         wait_for_subscriber(session, SCANS)
         send(session, messages[:3], 0.002)
         before = [next(iter(robot))[0].stamp_ns for _ in range(3)]
@@ -301,7 +301,7 @@ def test_a_robot_is_driven_on_the_keys_of_its_version_of_ros(network: tuple[Any,
         session.declare_subscriber(f"7/{name.lower()}/geometry_msgs::msg::dds_::{name}_/{hashes[name]}", heard.append)
         for name, heard in driven.items()
     ]
-    with crosscut.live.Robot(f"zenoh://127.0.0.1:{port}/robot1/scan", domain=7) as robot:
+    with crosscut.live.Robot(f"zenoh://127.0.0.1:{port}/robot1/scan?domain=7") as robot:
         wait_for_subscriber(session, SCANS)
         send(session, [(SCANS.replace(HASH, of_definition), scan)], 0.0)
         heard = next(iter(robot))[0]
@@ -328,7 +328,7 @@ def test_unreadable_messages_of_a_robot_are_counted_and_told(network: tuple[Any,
     scans = [data for key, data in messages if key == SCANS][:20]
     results = tmp_path / "live.jsonl"
     process = subprocess.Popen(
-        [in_wheel(), "run", f"zenoh://127.0.0.1:{port}/robot1/scan", "--domain", "7", "--odometry", "/robot1/odom", "--results", results],
+        [in_wheel(), "run", f"zenoh://127.0.0.1:{port}/robot1/scan?domain=7", "--set", "ingest.odometry=/robot1/odom", "--out", results],
         stderr=subprocess.PIPE, text=True)
     try:
         wait_for_subscriber(session, SCANS)
@@ -359,7 +359,7 @@ def test_a_transport_that_fails_ends_the_iteration_with_an_error(
     def fail(*_: Any) -> None:
         raise RuntimeError("out of order")
 
-    with crosscut.live.Robot(f"zenoh://127.0.0.1:{port}/robot1/scan", domain=7) as robot:
+    with crosscut.live.Robot(f"zenoh://127.0.0.1:{port}/robot1/scan?domain=7") as robot:
         wait_for_subscriber(session, SCANS)
         monkeypatch.setattr(robot._stamps, "missing_before", fail)
         session.put(SCANS, scan)
@@ -371,7 +371,7 @@ def test_close_ends_the_connection_and_stop_does_not(network: tuple[Any, int]) -
     session, port = network
     heard: list[Any] = []
     listener = session.declare_subscriber("said", heard.append)
-    robot = crosscut.live.Robot(f"zenoh://127.0.0.1:{port}/robot1/scan", domain=7)
+    robot = crosscut.live.Robot(f"zenoh://127.0.0.1:{port}/robot1/scan?domain=7")
     wait_for_subscriber(session, SCANS)
     robot.stop()
     assert list(robot) == []
@@ -419,15 +419,15 @@ def test_a_router_with_tls_and_users_is_joined_by_a_file_of_zenoh(certificates: 
     try:
         scan = next(data for key, data in recorded(tee) if key == SCANS)
         write("secret")
-        with crosscut.live.Robot("zenoh:///robot1/scan", domain=7, zenoh_config=config) as robot:
+        with crosscut.live.Robot(f"zenoh:///robot1/scan?domain=7&config={config}") as robot:
             wait_for_subscriber(session, SCANS)
             session.put(SCANS, scan)
             assert next(iter(robot))[0].stamp_ns == crosscut.Scan.from_message(scan).stamp_ns
         write("wrong")
         with pytest.raises(crosscut.Error, match="do TLS and user of .*zenoh.json5 fit"):
-            crosscut.live.Robot("zenoh:///robot1/scan", zenoh_config=config)
+            crosscut.live.Robot(f"zenoh:///robot1/scan?config={config}")
         with pytest.raises(crosscut.SettingsError, match="one of them"):
-            crosscut.live.Robot(f"zenoh://127.0.0.1:{port}/scan", zenoh_config=config)
+            crosscut.live.Robot(f"zenoh://127.0.0.1:{port}/scan?config={config}")
     finally:
         session.close()
 

@@ -141,7 +141,7 @@ def test_answers_over_dds_are_those_of_the_recording(
     told = {name: robot.reader(f"/crosscut/{name}", of_type)
             for name, of_type in (("results", TEXT), ("map", TEXT), ("markers", MARKERS))}
     results, flight_map = tmp_path / "live.jsonl", tmp_path / "live.json"
-    process = robot.answers("--odometry", "/robot1/odom", "--publish", "crosscut", "--results", results, "--map", flight_map)
+    process = robot.answers("--set", "ingest.odometry=/robot1/odom", "--publish", "crosscut", "--out", results, "--map", flight_map)
     try:
         wait_until(lambda: all(writer.get_matched_subscriptions() for writer in writers.values()))
         for of_type, message in recorded(tee):
@@ -170,7 +170,7 @@ def test_a_lossy_network_loses_no_scan_of_a_reliable_robot(
     robot = Robot(monkeypatch, LOSSY)
     scans, transforms = robot.writer("/robot1/scan", LASER_SCAN, RELIABLE), robot.writer("/tf", TF, RELIABLE)
     results = tmp_path / "live.jsonl"
-    process = robot.answers("--odometry", "/tf", "--results", results)
+    process = robot.answers("--set", "ingest.odometry=/tf", "--out", results)
     try:
         wait_until(lambda: all(writer.get_matched_subscriptions() for writer in (scans, transforms)))
         for of_type, message in recorded(tee):
@@ -196,7 +196,7 @@ def test_scans_that_a_lossy_network_loses_are_missing_by_their_stamps(
     writer = robot.writer("/robot1/scan", LASER_SCAN, BEST_EFFORT)
     scans = [idl_value(message) for of_type, message in recorded(tee) if of_type == LASER_SCAN]
     results = tmp_path / "live.jsonl"
-    process = robot.answers("--results", results)
+    process = robot.answers("--out", results)
     try:
         wait_until(writer.get_matched_subscriptions)
         for scan in scans:

@@ -35,7 +35,7 @@ def test_the_wheel_records_and_reads_recordings(tee: Path, tmp_path: Path) -> No
 
 def test_live_inputs_are_in_the_help_of_run() -> None:
     said = run("run", "--help").stdout
-    assert all(word in said for word in ("zenoh://HOST[:PORT]/TOPIC", "ros2://DOMAIN/TOPIC", "--zenoh-config", "--publish"))
+    assert all(word in said for word in ("zenoh://HOST[:PORT]/TOPIC", "domain=N", "config=FILE.json5", "ros2://DOMAIN/TOPIC", "--publish"))
 
 
 @pytest.mark.parametrize("module, package", [("zenoh", "eclipse-zenoh"), ("cyclonedds", "cyclonedds")])
@@ -48,7 +48,7 @@ def test_a_live_robot_without_its_extra_names_it(module: str, package: str) -> N
 
 def test_a_stage_of_ones_own_is_chosen_by_name(tee: Path) -> None:
     named = "affinity.kind=python:stages_of_ones_own.rbf"
-    args = ("--preset", "paper", "--every", 20, "--quiet", "--results", "-")
+    args = ("--preset", "paper", "--every", 20, "--quiet", "--out", "-")
     mine, papers = run("run", tee, "--set", named, *args), run("run", tee, *args)
     assert mine.returncode == 0, mine.stderr
     for found, expected in zip(mine.stdout.splitlines(), papers.stdout.splitlines(), strict=True):
@@ -86,7 +86,7 @@ def test_files_and_their_names_run_no_code(tee: Path, tmp_path: Path) -> None:
     settings.write_text('[affinity]\nkind = "python:evil.w"\n')
     flight.write_bytes(tee.read_bytes())
     for args in (["info", settings], ["info", flight.name], ["config", "--config", settings], [f"--config={settings}", "config"],
-                 ["run", flight.name, "--config", settings, "--results", "-"], ["compare", flight.name, "--with", settings]):
+                 ["run", flight.name, "--config", settings, "--out", "-"], ["compare", flight.name, "--with", settings]):
         done = run(*args, cwd=tmp_path)
         assert not (tmp_path / "RUN").exists(), args
     refused = run("config", "--config", settings, cwd=tmp_path)
@@ -97,7 +97,7 @@ def test_files_and_their_names_run_no_code(tee: Path, tmp_path: Path) -> None:
 
 def test_a_stage_that_raises_keeps_what_came_before(tee: Path) -> None:
     done = run("run", tee, "--preset", "paper", "--set", "affinity.kind=python:stages_of_ones_own.failing",
-               "--set", "pipeline.workers=1", "--results", "-")
+               "--set", "pipeline.workers=1", "--out", "-")
     assert done.returncode == 1
     assert "affinity failed on revolution 7: stages_of_ones_own.failing raised ValueError: seven were enough" in done.stderr
     assert [json.loads(line)["seq"] for line in done.stdout.splitlines()] == list(range(7))
@@ -107,7 +107,7 @@ def test_an_interrupt_saves_what_was_made(tee: Path, tmp_path: Path) -> None:
     results = tmp_path / "results.jsonl"
     named = "affinity.kind=python:stages_of_ones_own.hanging"
     one = "pipeline.workers=1"
-    args = ["run", tee, "--preset", "paper", "--set", named, "--set", one, "--results", results]
+    args = ["run", tee, "--preset", "paper", "--set", named, "--set", one, "--out", results]
     process = subprocess.Popen([in_wheel(), *map(str, args)], stderr=subprocess.PIPE, text=True, cwd=HERE)
     assert process.stderr is not None
     for expected in ("hanging", "stopping after the scans in progress"):

@@ -93,7 +93,7 @@ def test_a_stage_of_ones_own_is_seen_in_the_same_entities(tee: Path, tmp_path: P
     for entity in ("/spectral/eigenvalues", "/spectral/U", "/kmeans/labels", "/report/junctions", "/report/labels"):
         mine, programs = (values(of, entity, tmp_path / "values.csv") for of in (ours, theirs))
         assert mine == programs, entity
-    why = rrd("get", theirs, "/report/why", "--revolution", "0", "--out", "-").stdout
+    why = rrd("get", theirs, "/report/why", "--at", "0", "--out", "-").stdout
     missing = [part for part in results[0].why.strip().split("\n\n") if part not in why]
     assert not missing, why
     assert all(result.confidence is None for result in results)

@@ -17,7 +17,7 @@ import crosscut
 
 
 def lines(program: str, recording: Path, *args: str) -> list[dict[str, Any]]:
-    run = subprocess.run([program, "run", recording, "--results", "-", "--quiet", *args], capture_output=True, text=True)
+    run = subprocess.run([program, "run", recording, "--out", "-", "--quiet", *args], capture_output=True, text=True)
     assert run.returncode in (0, 3), run.stderr
     return [json.loads(line) for line in run.stdout.splitlines()]
 
@@ -127,7 +127,7 @@ def test_an_empty_scan_has_an_answer() -> None:
 
 def test_a_file_of_results_is_a_table(program: str, tee: Path, tmp_path: Path) -> None:
     path = tmp_path / "tee.jsonl"
-    subprocess.run([program, "run", tee, "--results", path, "--quiet"], check=True)
+    subprocess.run([program, "run", tee, "--out", path, "--quiet"], check=True)
     table = crosscut.results(path)
     engine = crosscut.Engine()
     expected = list(engine.process_many(engine.read(tee)))

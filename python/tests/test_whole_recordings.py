@@ -22,7 +22,7 @@ HERE = Path(__file__).resolve().parent
 
 def test_a_run_writes_what_the_command_line_writes(tee: Path, tmp_path: Path) -> None:
     outputs = [tmp_path / "line.jsonl", tmp_path / "line.json", tmp_path / "line.mcap"]
-    for option, path in zip(("--results", "--map", "--results"), outputs, strict=True):
+    for option, path in zip(("--out", "--map", "--out"), outputs, strict=True):
         subprocess.run([in_wheel(), "run", tee, option, path, "--preset", "paper", "--quiet"], check=True)
     made = [path.with_stem("made") for path in outputs]
     crosscut.run(tee, results=made[0], map=made[1], preset="paper")

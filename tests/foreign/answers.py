@@ -21,8 +21,8 @@ EVERY = 8
 def check(flights: Flights, verdicts: Verdicts):
     for flight in [flights.shipped()[0], *flights.real()[:1]]:
         out = flights.work / f"{flight.name}-answers.mcap"
-        expected = lines(flights.crosscut("run", flight.path, "--results", "-", "--quiet").stdout)
-        flights.crosscut("run", flight.path, "--results", out, "--quiet").expect(0)
+        expected = lines(flights.crosscut("run", flight.path, "--out", "-", "--quiet").stdout)
+        flights.crosscut("run", flight.path, "--out", out, "--quiet").expect(0)
         found: dict[str, list] = {}
         validator = None
         with out.open("rb") as file:

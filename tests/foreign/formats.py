@@ -70,7 +70,7 @@ def check_containers(folder: Path, base: Path, messages: list[Message], referenc
     verdicts.that(ran.code == 0 and counts[0] == counts[1], "CSV of ranges", f"exit code {ran.code}, the same counts")
     with base.open("rb") as piped:
         done = subprocess.run(
-            flights.crosscut.command("run", "-", "--preset", "paper", "--results", "-", "--quiet"), stdin=piped, capture_output=True
+            flights.crosscut.command("run", "-", "--preset", "paper", "--out", "-", "--quiet"), stdin=piped, capture_output=True
         )
     verdicts.that(done.returncode == 0 and done.stdout == reference, "standard input", f"exit code {done.returncode}")
 

@@ -34,7 +34,7 @@ def check(flights: Flights, verdicts: Verdicts):
 def pose_graph(flights: Flights, verdicts: Verdicts, flight: Path):
     """The same edges from another start have the same optimum."""
     written = flights.work / "ring.g2o"
-    flights.crosscut("map", flight, "--out", written, "--quiet").expect(0)
+    flights.crosscut("run", flight, "--map", written, "--quiet").expect(0)
     rows = [line.split() for line in written.read_text().splitlines()]
     poses = np.array([[float(value) for value in row[2:5]] for row in rows if row[0] == "VERTEX_SE2"])
     edges = [(int(row[1]), int(row[2]), np.array([float(value) for value in row[3:]])) for row in rows if row[0] == "EDGE_SE2"]
@@ -80,7 +80,7 @@ def chained(poses: np.ndarray, edges: list) -> np.ndarray:
 
 def scan_matching(flights: Flights, verdicts: Verdicts, flight: Path):
     """Motions over a few scans, by scans alone: crosscut's, small_gicp's, and the true ones."""
-    ran = flights.crosscut("run", flight, "--set", "flight.pose=scan_match", "--results", "-", "--quiet").expect(0)
+    ran = flights.crosscut("run", flight, "--set", "flight.pose=scan_match", "--out", "-", "--quiet").expect(0)
     ours = [isometry(*(line["pose"][part] for part in ("x_m", "y_m", "yaw_rad"))) for line in program.lines(ran.stdout)]
     scans, truths = scans_and_truths(flight)
     true = [isometry(*(truth["pose"][part] for part in ("x_m", "y_m", "yaw_rad"))) for truth in truths]

@@ -35,7 +35,7 @@ class Crosscut:
 
     def results(self, *args, preset: str = "paper") -> Ran:
         """`run` with a preset; its standard output is the results."""
-        return self("run", *args, "--preset", preset, "--results", "-", "--quiet")
+        return self("run", *args, "--preset", preset, "--out", "-", "--quiet")
 
 
 def lines(results: bytes) -> list[dict]:

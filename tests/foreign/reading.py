@@ -66,7 +66,7 @@ def check_indices(flight: Flight, flights: Flights, verdicts: Verdicts):
     differing, count = [], 0
     for entity, _ in ENTITIES:
         flights.crosscut("rrd", "get", path, entity, "--out", table).expect(0)
-        flights.crosscut("rrd", "get", path, entity, "--out", array, "--revolution", REVOLUTION).expect(0)
+        flights.crosscut("rrd", "get", path, entity, "--out", array, "--at", REVOLUTION).expect(0)
         expected, of_one = np.load(array), [row for row in rows() if row[0] == REVOLUTION]
         count += len(of_one)
         indices = np.array([row[2:-1] for row in of_one], int).T
@@ -87,7 +87,7 @@ def check_exact(flight: Flight, flights: Flights, verdicts: Verdicts):
     errors, revolution = {}, str(len(read) // 2)
     for entity in ("/affinity/W", "/spectral/L"):
         out = flights.work / "exact.npy"
-        flights.crosscut("rrd", "get", path, entity, "--exact", "--revolution", revolution, "--out", out).expect(0)
+        flights.crosscut("rrd", "get", path, entity, "--exact", "--at", revolution, "--out", out).expect(0)
         affinity = oracle.affinity_of(oracle.points_of(read[int(revolution)]), SIGMA_PER_M2)
         expected = affinity if entity == "/affinity/W" else oracle.laplacian_of(affinity)
         errors[entity] = float(np.abs(np.load(out) - expected).max())
@@ -98,7 +98,7 @@ def check_exact(flight: Flight, flights: Flights, verdicts: Verdicts):
 def check_snippets(flight: Flight, flights: Flights, verdicts: Verdicts):
     """The commands and the Python of the page do what it says."""
     page = (flights.work / "../../../docs/reading-recordings.md").resolve().read_text()
-    commands = re.findall(rf"^crosscut (rrd get FLIGHT\.rrd .* --revolution {REVOLUTION} --out \w+\.npy)$", page, re.MULTILINE)
+    commands = re.findall(rf"^crosscut (rrd get FLIGHT\.rrd .* --at {REVOLUTION} --out \w+\.npy)$", page, re.MULTILINE)
     folder = flights.work / "snippets"
     folder.mkdir(exist_ok=True)
     recording = flights.outcome(flight).rrd

@@ -183,7 +183,7 @@ def check_killed(candidates: list[Flight], flights: Flights, verdicts: Verdicts)
     saved, results = flights.work / "killed.rrd", flights.work / "killed.jsonl"
     results.unlink(missing_ok=True)
     command = flights.crosscut.command(
-        "run", flight.path, "--preset", "paper", "--rate", 1, "--results", results, "--save", saved, "--quiet"
+        "run", flight.path, "--preset", "paper", "--rate", 1, "--out", results, "--save", saved, "--quiet"
     )
     start = time.monotonic()
     process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)

@@ -89,18 +89,18 @@ class Viewer:
 
     @classmethod
     def beside(cls, command: list[str], size: str) -> "Viewer":
-        """The one that a program starts and talks to, which takes a request and gives an answer a line (`ask`)."""
+        """The one beside the prompt of a program that reads commands from a pipe (`ask`)."""
         folder = headless_rerun(size, SPAWNED_AT)
         viewer = cls(command, folder / "port", {"PATH": f"{folder}:{os.environ['PATH']}"}, whole=False, talks=True)
         viewer._detached = folder / "pid"
+        viewer._viewer.stdout.readline()  # its greeting
         return viewer
 
-    def ask(self, method: str, *params) -> dict:
-        """The program's answer to a request of JSON-RPC."""
-        request = {"jsonrpc": "2.0", "id": 1, "method": method, "params": params}
-        self._viewer.stdin.write(json.dumps(request) + "\n")
+    def ask(self, command: str) -> str:
+        """The answer at the prompt of `debug`, up to that of a command that is known to be one line."""
+        self._viewer.stdin.write(f"{command}\nbreak\n")
         self._viewer.stdin.flush()
-        return json.loads(self._viewer.stdout.readline())
+        return "".join(iter(self._viewer.stdout.readline, "no break\n"))
 
     def kill(self):
         """The viewer, not the program that started it."""

@@ -3,7 +3,7 @@
 use std::fmt::Display;
 
 use crate::exit::Outcome;
-use crate::say::say;
+use crate::output::say;
 
 /// Prints problems on standard error as they come, and keeps them. A problem that several configurations meet is
 /// reported once.

@@ -3,7 +3,9 @@
 use std::fmt;
 use std::io;
 
-use crate::say::say;
+use crosscut_detector::nearest_and_all;
+
+use crate::output::say;
 
 /// The outcome of a command, one for each exit code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,6 +51,19 @@ pub(crate) const WRONG_USAGE: u8 = 2;
 #[derive(Debug)]
 pub(crate) struct UsageError(pub(crate) String);
 
+/// The entry of this name; or what there is, with the nearest name.
+pub(crate) fn chosen<T>(
+    what: &str,
+    name: &str,
+    list: &'static [T],
+    name_of: fn(&T) -> &'static str,
+) -> Result<&'static T, UsageError> {
+    list.iter().find(|entry| name_of(entry) == name).ok_or_else(|| {
+        let all: Vec<&str> = list.iter().map(name_of).collect();
+        UsageError(format!("there is no {what} {name:?}; {}", nearest_and_all(name, &all)))
+    })
+}
+
 impl fmt::Display for UsageError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.0)
@@ -56,13 +71,6 @@ impl fmt::Display for UsageError {
 }
 
 impl std::error::Error for UsageError {}
-
-/// The error of commands that need the feature `rerun`, in a build without it.
-#[cfg(not(feature = "rerun"))]
-pub(crate) fn without_rerun() -> anyhow::Error {
-    let text = "this crosscut was built without recordings; `cargo install --locked --path apps/crosscut` brings them";
-    UsageError(text.to_owned()).into()
-}
 
 /// Reports what a signal ended; that is no error.
 pub(crate) fn report_interrupted(error: &anyhow::Error) -> u8 {

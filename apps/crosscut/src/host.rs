@@ -2,7 +2,7 @@
 
 use crosscut_detector::Registry;
 
-use crate::live::Robots;
+use crate::input::live::Robots;
 
 /// What the process that the program runs in gives it.
 #[derive(Clone, Copy, Default)]

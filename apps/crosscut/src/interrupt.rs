@@ -12,7 +12,7 @@ use crosscut_outfile::Whole;
 use crosscut_pipeline::StopFlag;
 
 use crate::exit::INTERRUPTED;
-use crate::say::say;
+use crate::output::say;
 
 /// A reader that is at work so long after a signal, as where a file is looked through, is ended: what was made is saved.
 const READING: Duration = Duration::from_millis(500);

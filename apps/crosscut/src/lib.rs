@@ -4,44 +4,26 @@
 //! holds stages of its own too; they are then chosen, compared and recorded as those that ship. [`run`] is the
 //! program for a process whose arguments are not those of the command line, such as that of an interpreter.
 //!
-//! Each command has a file or folder in `commands`. Results go to files or standard output, messages to standard error.
+//! Each command has a file or folder in `commands`, with its options; what it reads is in `input`, what it writes in `output`.
+//! Results go to files or standard output, messages to standard error.
 
 // These macros panic when they cannot write. Messages go through `say`, and writing results returns its error.
 #![deny(clippy::print_stderr, clippy::print_stdout)]
 
-mod answers;
-mod cli;
 mod commands;
-mod config;
-mod configurations;
-#[cfg(feature = "rerun")]
-mod content;
 mod diagnostics;
 mod exit;
 mod fly;
-mod host;
-mod interrupt;
-mod live;
-mod looking;
-mod map_file;
-mod map_picture;
-mod maps;
-mod observers;
-mod outputs;
-mod progress;
-#[cfg(feature = "rerun")]
-mod recorded;
 #[cfg(not(feature = "rerun"))]
-#[path = "recorded_without_rerun.rs"]
-mod recorded;
-mod related;
-mod say;
-mod summary;
-mod text_file;
-mod typeset;
-mod written;
+mod gate;
+mod host;
+mod input;
+mod interrupt;
+mod output;
+mod values;
 
 use std::ffi::OsString;
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::FromArgMatches;
@@ -49,65 +31,51 @@ use crosscut_detector::Registry;
 use crosscut_flight::Map;
 use crosscut_ingest::KeptStandardInput;
 
-pub use crate::answers::scene;
-use crate::cli::{Cli, Command};
+use crate::commands::{Cli, help};
 pub use crate::host::{Host, Kinds};
-pub use crate::live::{Answer, Robot, RobotAddress, RobotError, Robots};
+pub use crate::input::live::{Answer, Robot, RobotAddress, RobotError, Robots};
+pub use crate::output::answers::scene;
 #[cfg(feature = "rerun")]
-pub use crate::observers::recorder_options;
+pub use crate::output::observers::recorder_options;
+use crate::output::{maps, say};
 
 /// Runs the command in the arguments of this process, with the stages of `registry` to choose from.
 pub fn main(registry: &Registry) -> ExitCode {
     run(std::env::args_os(), registry, &Host::default()).into()
 }
 
-/// Runs the command in `args`, of which the first is the name of the program, and returns its exit code.
+/// Runs the command in `args`, of which the first is the name of the program, and returns its exit code. By the name
+/// `rerun-importer-crosscut`, of a link or a copy, it is the importer that the Rerun viewer calls.
 pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry, host: &Host<'_>) -> u8 {
-    let args = without_help_of_help(args.into_iter().map(with_home).collect());
-    let retired = args.get(1).and_then(|command| cli::help::instead_of(command.to_str()?));
-    let command = match cli::help::command().try_get_matches_from(args).and_then(|found| Cli::from_arg_matches(&found))
-    {
+    let args = without_help_of_help(of_importer(args.into_iter().map(with_home).collect()));
+    let retired = help::instead_of(&args);
+    let command = match commands::command().try_get_matches_from(args).and_then(|found| Cli::from_arg_matches(&found)) {
         Ok(cli) => cli.command,
         Err(refused) => {
             refused.print().ok(); // help, or what is wrong; a closed pipe changes no exit code
-            retired.iter().for_each(|instead| say::say(instead));
+            retired.iter().for_each(|instead| say(instead));
             return if refused.use_stderr() { exit::WRONG_USAGE } else { exit::Outcome::Done.into() };
         }
     };
     interrupt::limit_is_an_error();
     let _standard_input = KeptStandardInput::keep(); // commands open their inputs several times
-    command.say_settings_found();
-    let outcome = match command {
-        Command::Run(args) => commands::run::run(&args, registry, host.robots),
-        Command::View(args) => view(&args),
-        Command::Simulate(args) => commands::simulate::simulate(&args),
-        Command::Explore(args) => commands::explore::explore(&args, registry),
-        Command::Compare(args) => commands::compare::compare(&args, registry, host.robots),
-        Command::Debug(args) => commands::debug::debug(args, registry, host.kinds),
-        Command::Info(args) => commands::info::info(&args, registry),
-        Command::Map(args) => commands::map::map(&args, registry),
-        Command::Report(args) => commands::report::report(&args, registry),
-        Command::Convert(args) => commands::convert::convert(&args, registry),
-        Command::Rrd(command) => rrd(&command, registry),
-        #[cfg(feature = "rerun")]
-        Command::Import(args) => commands::import::import(&args, registry),
-        Command::Config(args) => config::print(&args, registry),
-        Command::Completions { shell } => commands::shell::completions(shell),
-        Command::Man { folder } => commands::shell::man(&folder),
-    };
-    match outcome {
+    match command.run(registry, host) {
         Ok(outcome) => outcome.into(),
         Err(error) if interrupt::is_requested() => exit::report_interrupted(&error),
         Err(error) => exit::report(&error),
     }
 }
 
-/// The program that the Rerun viewer calls with each file that it opens, and its exit code. `args` are those of the viewer, of
-/// which the first is the name of the program.
-#[cfg(feature = "rerun")]
-pub fn import(args: impl IntoIterator<Item = OsString>, registry: &Registry) -> u8 {
-    let command = ["crosscut", "import"].map(OsString::from);
-    run(command.into_iter().chain(args.into_iter().skip(1)), registry, &Host::default())
+/// The name by which the Rerun viewer calls the program with each file that it opens.
+const IMPORTER: &str = "rerun-importer-crosscut";
+
+/// The arguments, with the command for them where the program is called by the name of the importer.
+fn of_importer(args: Vec<OsString>) -> Vec<OsString> {
+    let is_importer = args.first().is_some_and(|name| Path::new(name).file_stem() == Some(IMPORTER.as_ref()));
+    if !is_importer {
+        return args;
+    }
+    ["crosscut", "import"].map(OsString::from).into_iter().chain(args.into_iter().skip(1)).collect()
 }
 
 /// `help --help` is `help`, which takes no options.
@@ -133,19 +101,4 @@ fn with_home(arg: OsString) -> OsString {
 /// The map of a flight as JSON, as `run --map` writes it.
 pub fn map_json(map: &Map) -> String {
     maps::json(map).to_string()
-}
-
-#[cfg(feature = "rerun")]
-use commands::rrd::rrd;
-#[cfg(feature = "rerun")]
-use commands::view::view;
-
-#[cfg(not(feature = "rerun"))]
-fn rrd(_: &cli::rrd::RrdCommand, _: &Registry) -> anyhow::Result<exit::Outcome> {
-    Err(exit::without_rerun())
-}
-
-#[cfg(not(feature = "rerun"))]
-fn view(_: &cli::ViewArgs) -> anyhow::Result<exit::Outcome> {
-    Err(exit::without_rerun())
 }

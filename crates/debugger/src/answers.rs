@@ -8,17 +8,16 @@ use crosscut_evaluate::stage_values::{first_difference, stage_values};
 use crosscut_evaluate::verdict::{Surer, Verdict, listed, thousands};
 use crosscut_report::CONFIDENCE;
 use crosscut_stage::counted;
-use serde_json::json;
 
 use crate::moves::{beside, nothing_held};
 use crate::side::{Answer, Side};
-use crate::{Refused, Reply, Session};
+use crate::{Refused, Session};
 
 /// At most this many spans of revolutions are named in a line.
 const SPANS: usize = 12;
 
 impl Session {
-    pub(crate) fn again(&mut self) -> Result<Reply, Refused> {
+    pub(crate) fn again(&mut self) -> Result<String, Refused> {
         let start = Instant::now();
         let answers = self.now.given.answer(&self.means)?;
         let taken_s = start.elapsed().as_secs_f64();
@@ -44,14 +43,11 @@ impl Session {
             "{of} answered again in {taken_s:.2} s; {} changed{which}{failing}",
             thousands(changed.len() as u64)
         );
-        let value = json!({
-            "revolutions": answers.len(), "changed": changed, "failed": failed, "seconds": taken_s,
-        });
         self.now.set_answers(answers);
-        Ok(Reply::new(text, value))
+        Ok(text)
     }
 
-    pub(crate) fn hold(&mut self) -> Reply {
+    pub(crate) fn hold(&mut self) -> String {
         let mut held = Side::new(self.now.given.clone(), &self.means);
         held.go_to(self.at);
         if let Some(answers) = self.now.answered_if_known() {
@@ -60,34 +56,29 @@ impl Session {
         self.held = Some(held);
         self.version += 1;
         self.holds += 1;
-        let here = self.here();
-        Reply::new(format!("A: {}", here.text), here.value)
+        format!("A: {}", self.here())
     }
 
-    pub(crate) fn diff(&mut self) -> Result<Reply, Refused> {
+    pub(crate) fn diff(&mut self) -> Result<String, Refused> {
         if self.held.is_none() {
             return Err(nothing_held());
         }
         let held = self.held_frame().ok_or_else(|| Refused::Failed("A does not have this revolution".to_owned()))?;
-        let seq = held.revolution.seq;
         if let [Some(failure), _] | [_, Some(failure)] = [&held.failure, &self.frame().failure] {
-            let same = held.failure == self.frame().failure;
-            let text = if same { format!("both fail: {failure}") } else { format!("one fails: {failure}") };
-            return Ok(Reply::new(text, json!({"revolution": seq, "same": same, "failure": failure.to_string()})));
+            let which = if held.failure == self.frame().failure { "both fail" } else { "one fails" };
+            return Ok(format!("{which}: {failure}"));
         }
         let sides = [held, self.frame()].map(stage_values);
         Ok(match first_difference(&sides[0], &sides[1]) {
-            None => Reply::new("the same in every stage", json!({"revolution": seq, "same": true})),
+            None => "the same in every stage".to_owned(),
             Some(first) => {
                 let [a, b] = &first.values;
-                let text = format!("{}: {} is {a} in A, {b} now", first.step, first.field);
-                let value = json!({"revolution": seq, "same": false, "stage": first.step, "field": first.field, "values": [a, b]});
-                Reply::new(text, value)
+                format!("{}: {} is {a} in A, {b} now", first.step, first.field)
             }
         })
     }
 
-    pub(crate) fn differs(&mut self) -> Result<Reply, Refused> {
+    pub(crate) fn differs(&mut self) -> Result<String, Refused> {
         let means = &self.means;
         let held = self.held.as_mut().ok_or_else(nothing_held)?;
         let flight = self.now.given.flight.clone();
@@ -118,15 +109,10 @@ impl Session {
         for (what, list) in [("mended", &mended), ("broken", &broken)] {
             lines.extend((!list.is_empty()).then(|| format!("{what}: {}", listed(list, SPANS))));
         }
-        let p = verdict.map(|verdict| verdict.p());
-        let value = json!({
-            "differ": differ, "of": surer.of, "surer": {"A": surer.first, "now": surer.second},
-            "verdict": verdict, "p": p, "mended": mended, "broken": broken,
-        });
-        Ok(Reply::new(lines.join("\n"), value))
+        Ok(lines.join("\n"))
     }
 
-    pub(crate) fn report(&mut self) -> Result<Reply, Refused> {
+    pub(crate) fn report(&mut self) -> Result<String, Refused> {
         let flight = self.now.given.flight.clone();
         let answers = self.now.answers(&self.means)?;
         let mut by_walls: BTreeMap<usize, u64> = BTreeMap::new();
@@ -147,8 +133,6 @@ impl Session {
         let mut lines: Vec<String> = by_walls.iter().map(line).collect();
         lines.extend((failed > 0).then(|| format!("without an answer: {failed}")));
         lines.extend((judged > 0).then(|| format!("right: {} of {}", thousands(right), thousands(judged))));
-        let by_walls: Vec<_> = by_walls.iter().map(|(walls, n)| json!({"walls": walls, "revolutions": n})).collect();
-        let value = json!({"by_walls": by_walls, "failed": failed, "right": right, "judged": judged});
-        Ok(Reply::new(lines.join("\n"), value))
+        Ok(lines.join("\n"))
     }
 }

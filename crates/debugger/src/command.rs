@@ -1,8 +1,6 @@
 //! Words in, answers out.
 
-use serde_json::{Value, json};
-
-use crate::Session;
+use crate::{Refused, Session};
 
 /// A command with what it takes and does.
 #[derive(Clone, Copy, Debug)]
@@ -45,42 +43,13 @@ pub const COMMANDS: &[Command] = commands! {
     "quit" "" "end",
 };
 
-/// The answer to a command.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Reply {
-    /// For people; lines without an end.
-    pub text: String,
-    /// For programs: an object.
-    pub value: Value,
-}
-
-/// Why a command did nothing.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Refused {
-    /// There is no such command.
-    #[error("{0}")]
-    Unknown(String),
-    /// The command takes other words, or a setting another value.
-    #[error("{0}")]
-    Usage(String),
-    /// It could not be done.
-    #[error("{0}")]
-    Failed(String),
-}
-
-impl Reply {
-    pub(crate) fn new(text: impl Into<String>, value: Value) -> Self {
-        Self { text: text.into(), value }
-    }
-}
-
 impl Session {
-    /// Does what the words say. After a refusal everything is as before.
+    /// Does what the words say, and answers in lines without an end. After a refusal everything is as before.
     ///
     /// # Errors
     /// When there is no such command, it takes other words, or cannot be done.
-    pub fn command(&mut self, words: &[String]) -> Result<Reply, Refused> {
-        let Some((name, rest)) = words.split_first() else { return Ok(Reply::new("", json!({}))) };
+    pub fn command(&mut self, words: &[String]) -> Result<String, Refused> {
+        let Some((name, rest)) = words.split_first() else { return Ok(String::new()) };
         let one = || match rest {
             [only] => Ok(only.as_str()),
             _ => Err(takes(name)),
@@ -124,10 +93,10 @@ pub(crate) fn takes(name: &str) -> Refused {
 
 fn unknown(name: &str) -> Refused {
     let names: Vec<_> = COMMANDS.iter().map(|command| command.name).collect();
-    Refused::Unknown(format!("there is no command {name:?}; {}", crosscut_detector::nearest_and_all(name, &names)))
+    Refused::Usage(format!("there is no command {name:?}; {}", crosscut_detector::nearest_and_all(name, &names)))
 }
 
-fn help() -> Reply {
+fn help() -> String {
     let width = COMMANDS.iter().map(|command| command.name.len() + 1 + command.takes.len()).max().unwrap_or(0).min(30);
     let line = |command: &Command| {
         let what = format!("{} {}", command.name, command.takes);
@@ -138,6 +107,5 @@ fn help() -> Reply {
         }
     };
     let lines: Vec<String> = COMMANDS.iter().map(line).collect();
-    let list: Vec<_> = COMMANDS.iter().map(|of| json!({"name": of.name, "takes": of.takes, "does": of.does})).collect();
-    Reply::new(lines.join("\n"), json!({"commands": list}))
+    lines.join("\n")
 }

@@ -3,7 +3,7 @@
 //! In: the revolutions of a flight, held in memory, and a configuration. A [`Session`] stands at one revolution and answers
 //! words ([`COMMANDS`]): it moves, shows what every stage made, explains, takes other settings or another output of a stage
 //! ([`Injected`]) and goes on from it, answers the whole flight again on all cores, and compares with an answer that was
-//! held. Out: a [`Reply`], as text for people and as values for programs. A refusal leaves everything as it was.
+//! held. Out: text for people. A refusal leaves everything as it was.
 //!
 //! No files but those of `get` and `inject` (NumPy's), no terminal: the program's front ends hold those.
 //!
@@ -16,12 +16,15 @@ mod inject;
 mod matrices;
 mod moves;
 pub mod npy;
+mod refused;
 mod session;
 mod settings;
 mod show;
 mod side;
 mod when;
 
-pub use command::{COMMANDS, Command, Refused, Reply};
+pub use command::{COMMANDS, Command};
 pub use inject::Injected;
-pub use session::{Reader, Scan, Session};
+pub use refused::Refused;
+pub use session::{Reader, Session};
+pub use side::Scan;

@@ -6,14 +6,13 @@ use std::io::{BufWriter, Write as _};
 use crosscut_spectral::Laplacian;
 use crosscut_stage::Frame;
 use faer::Mat;
-use serde_json::json;
 
 use crate::command::takes;
 use crate::npy::NpyArray;
-use crate::{Refused, Reply, Session};
+use crate::{Refused, Session};
 
 impl Session {
-    pub(crate) fn get(&mut self, what: &str, path: &str) -> Result<Reply, Refused> {
+    pub(crate) fn get(&mut self, what: &str, path: &str) -> Result<String, Refused> {
         if self.frame().failure.is_some() {
             return Err(Refused::Failed(crate::session::answer_in_words(self.frame())));
         }
@@ -25,7 +24,7 @@ impl Session {
         };
         write().map_err(|error| Refused::Failed(format!("{error}, in {path}")))?;
         let shape: Vec<String> = array.shape.iter().map(ToString::to_string).collect();
-        Ok(Reply::new(format!("{what}, {}, in {path}", shape.join("x")), json!({"shape": array.shape, "path": path})))
+        Ok(format!("{what}, {}, in {path}", shape.join("x")))
     }
 }
 

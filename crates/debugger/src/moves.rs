@@ -1,15 +1,12 @@
 //! Going through the flight.
 
-use serde_json::json;
-
 use crate::command::takes;
-use crate::session::merge;
 use crate::side::{Answer, Means, Side};
 use crate::when::{Seen, When};
-use crate::{Refused, Reply, Session};
+use crate::{Refused, Session};
 
 impl Session {
-    pub(crate) fn seek(&mut self, to: &str) -> Result<Reply, Refused> {
+    pub(crate) fn seek(&mut self, to: &str) -> Result<String, Refused> {
         let flight = &self.now.given.flight;
         let at = if let Some(seconds) = to.strip_suffix('s') {
             let seconds: f64 = seconds.parse().map_err(|_| takes("seek"))?;
@@ -29,7 +26,7 @@ impl Session {
         Ok(self.here())
     }
 
-    pub(crate) fn step(&mut self, words: &[String]) -> Result<Reply, Refused> {
+    pub(crate) fn step(&mut self, words: &[String]) -> Result<String, Refused> {
         let by: i64 = match words {
             [] => 1,
             [by] => by.parse().map_err(|_| takes("step"))?,
@@ -45,7 +42,7 @@ impl Session {
         Ok(self.here())
     }
 
-    pub(crate) fn next(&mut self, words: &[String]) -> Result<Reply, Refused> {
+    pub(crate) fn next(&mut self, words: &[String]) -> Result<String, Refused> {
         let when = When::parse(words)?;
         match self.first_after(std::slice::from_ref(&when))? {
             Some((at, _)) => {
@@ -56,7 +53,7 @@ impl Session {
         }
     }
 
-    pub(crate) fn set_break(&mut self, words: &[String]) -> Result<Reply, Refused> {
+    pub(crate) fn set_break(&mut self, words: &[String]) -> Result<String, Refused> {
         match words {
             [] => {}
             [off] if off == "off" => self.breaks.clear(),
@@ -69,11 +66,10 @@ impl Session {
             }
         }
         let list: Vec<String> = self.breaks.iter().map(ToString::to_string).collect();
-        let text = if list.is_empty() { "no break".to_owned() } else { format!("breaks: {}", list.join("; ")) };
-        Ok(Reply::new(text, json!({"breaks": list})))
+        Ok(if list.is_empty() { "no break".to_owned() } else { format!("breaks: {}", list.join("; ")) })
     }
 
-    pub(crate) fn run(&mut self) -> Result<Reply, Refused> {
+    pub(crate) fn run(&mut self) -> Result<String, Refused> {
         if self.breaks.is_empty() {
             return Err(Refused::Usage("run stops where a break holds; `break changed` sets one".to_owned()));
         }
@@ -84,10 +80,7 @@ impl Session {
             None => (self.now.given.flight.len() - 1, "the end".to_owned()),
         };
         self.go_to(at);
-        let mut here = self.here();
-        here.text = format!("{why}: {}", here.text);
-        merge(&mut here.value, json!({"stopped_by": why}));
-        Ok(here)
+        Ok(format!("{why}: {}", self.here()))
     }
 
     /// The first place after the present one where a condition holds, with that condition.

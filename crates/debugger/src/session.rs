@@ -7,23 +7,11 @@ use std::sync::atomic::AtomicBool;
 use crosscut_detector::{Config, ConfigError, Layer, Registry};
 use crosscut_evaluate::settings_of_step;
 use crosscut_messages::Truth;
-use crosscut_stage::{Frame, Notes, Observer, ObserverError, Revolution, Step, counted};
-use serde_json::{Value, json};
+use crosscut_stage::{Frame, Observer, ObserverError, Step, counted};
 
-use crate::side::{Answer, Given, Means, Side};
+use crate::Refused;
+use crate::side::{Answer, Given, Means, Scan, Side};
 use crate::when::When;
-use crate::{Refused, Reply};
-
-/// A scan of the flight.
-#[derive(Clone, Debug, Default)]
-pub struct Scan {
-    /// Its returns.
-    pub revolution: Revolution,
-    /// What was dropped or repaired when it was read.
-    pub notes: Notes,
-    /// Its truth, if the recording has one.
-    pub truth: Option<Truth>,
-}
 
 /// Reads the flight with the settings of a configuration; the error says why it cannot.
 pub type Reader = Box<dyn FnMut(&Config) -> Result<Vec<Scan>, String>>;
@@ -143,11 +131,6 @@ impl Session {
         self.now.show_all(observer, &self.means)
     }
 
-    /// Where it stands, in a line.
-    pub fn here_text(&self) -> String {
-        self.here().text
-    }
-
     /// The flight in a sentence.
     pub fn greeting(&self) -> String {
         let flight = &self.now.given.flight;
@@ -204,15 +187,11 @@ impl Session {
         (stamp(at) - stamp(0)) as f64 / 1e9
     }
 
-    /// Where it stands, in a line, with the values of it.
-    pub(crate) fn here(&self) -> Reply {
+    /// Where it stands, in a line.
+    pub fn here(&self) -> String {
         let frame = self.frame();
         let (seq, s) = (frame.revolution.seq, self.seconds(self.at));
-        let mut value = json!({"revolution": seq, "seconds": s});
-        Reply::new(format!("{seq} at {s:.2} s: {}", answer_in_words(frame)), {
-            merge(&mut value, answer_as_value(frame));
-            value
-        })
+        format!("{seq} at {s:.2} s: {}", answer_in_words(frame))
     }
 }
 
@@ -235,24 +214,4 @@ pub(crate) fn answer_in_words(frame: &Frame) -> String {
     let walls = counted(junction.junctions as u64, "wall");
     let place = junction.place.to_string().replace('_', " ");
     format!("{walls}, {place}, k = {}{confidence}", frame.spectrum.k)
-}
-
-pub(crate) fn answer_as_value(frame: &Frame) -> Value {
-    match &frame.failure {
-        Some(failure) => json!({"failure": failure.to_string()}),
-        None => json!({
-            "walls": frame.junction.junctions,
-            "place": frame.junction.place.to_string(),
-            "k": frame.spectrum.k,
-            "margin": frame.spectrum.margin_decades,
-            "confidence": frame.junction.confidence,
-        }),
-    }
-}
-
-/// Adds the entries of one object to another.
-pub(crate) fn merge(into: &mut Value, from: Value) {
-    if let (Value::Object(into), Value::Object(from)) = (into, from) {
-        into.extend(from);
-    }
 }

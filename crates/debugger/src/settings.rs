@@ -5,12 +5,11 @@ use std::fs::File;
 use crosscut_detector::Config;
 use crosscut_stage::counted;
 use faer::Mat;
-use serde_json::json;
 
 use crate::command::takes;
 use crate::npy::NpyArray;
-use crate::session::{answer_in_words, merge};
-use crate::{Refused, Reply, Session};
+use crate::session::answer_in_words;
+use crate::{Refused, Session};
 
 /// What a stage makes of a revolution, out of a file.
 enum Array {
@@ -37,7 +36,7 @@ fn array_in(what: &str, path: &str, n: usize) -> Result<Array, Refused> {
 }
 
 impl Session {
-    pub(crate) fn set(&mut self, words: &[String]) -> Result<Reply, Refused> {
+    pub(crate) fn set(&mut self, words: &[String]) -> Result<String, Refused> {
         // A value may have blanks in it, as a list has.
         let is_setting = |word: &str| word.split_once('=').is_some_and(|(key, _)| key.contains('.'));
         let mut settings: Vec<String> = Vec::new();
@@ -62,7 +61,7 @@ impl Session {
         Ok(self.changed_from(&before))
     }
 
-    pub(crate) fn swap(&mut self, word: &str) -> Result<Reply, Refused> {
+    pub(crate) fn swap(&mut self, word: &str) -> Result<String, Refused> {
         let (stage, kind) = word.split_once('=').ok_or_else(|| takes("swap"))?;
         if !["affinity", "spectral", "kmeans"].contains(&stage) {
             return Err(takes("swap"));
@@ -70,7 +69,7 @@ impl Session {
         self.set(&[format!("{stage}.kind={kind}")])
     }
 
-    pub(crate) fn unset(&mut self, key: &str) -> Result<Reply, Refused> {
+    pub(crate) fn unset(&mut self, key: &str) -> Result<String, Refused> {
         let mut changes = self.changes.clone();
         changes.retain(|[known, _]| key != "all" && known != key);
         if changes.len() == self.changes.len() {
@@ -83,7 +82,7 @@ impl Session {
         Ok(self.changed_from(&before))
     }
 
-    pub(crate) fn inject(&mut self, words: &[String]) -> Result<Reply, Refused> {
+    pub(crate) fn inject(&mut self, words: &[String]) -> Result<String, Refused> {
         let mut given = self.now.given.clone();
         let seq = self.frame().revolution.seq;
         match words {
@@ -109,16 +108,10 @@ impl Session {
     }
 
     /// The present answer, and the one before if it was another.
-    fn changed_from(&self, before: &str) -> Reply {
-        let mut here = self.here();
+    fn changed_from(&self, before: &str) -> String {
+        let here = self.here();
         let is_changed = before != answer_in_words(self.frame());
-        if is_changed {
-            here.text = format!("{} (before: {before})", here.text);
-        } else {
-            here.text += " (as before)";
-        }
-        merge(&mut here.value, json!({"changed": is_changed}));
-        here
+        if is_changed { format!("{here} (before: {before})") } else { format!("{here} (as before)") }
     }
 
     /// The settings of `config` that differ from those at the start: key, value at the start, value; `-` where there is none.
@@ -134,7 +127,7 @@ impl Session {
         values.filter(|[_, before, after]| before != after).collect()
     }
 
-    pub(crate) fn settings(&self) -> Reply {
+    pub(crate) fn settings(&self) -> String {
         let differ = self.differing(self.config());
         let mut lines: Vec<String> =
             differ.iter().map(|[key, before, after]| format!("{key} = {after} (at the start {before})")).collect();
@@ -144,10 +137,7 @@ impl Session {
         if lines.is_empty() {
             lines.push("as at the start".to_owned());
         }
-        let differ: Vec<_> =
-            differ.iter().map(|[key, before, after]| json!({"key": key, "start": before, "now": after})).collect();
-        let injected: Vec<u64> = self.now.given.injected.keys().copied().collect();
-        Reply::new(lines.join("\n"), json!({"differ": differ, "injected": injected}))
+        lines.join("\n")
     }
 }
 

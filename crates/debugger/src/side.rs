@@ -8,10 +8,22 @@ use std::thread::Builder;
 use crosscut_detector::{Config, Engine, Registry};
 use crosscut_evaluate::Agreement;
 use crosscut_flight::{Flight, FlightAnswer};
+use crosscut_messages::Truth;
 use crosscut_report::{ResultsLine, VEHICLE_WIDTH_M};
-use crosscut_stage::{Frame, Junction, Observer, ObserverError};
+use crosscut_stage::{Frame, Junction, Notes, Observer, ObserverError, Revolution};
 
-use crate::{Injected, Refused, Scan};
+use crate::{Injected, Refused};
+
+/// A scan of the flight.
+#[derive(Clone, Debug, Default)]
+pub struct Scan {
+    /// Its returns.
+    pub revolution: Revolution,
+    /// What was dropped or repaired when it was read.
+    pub notes: Notes,
+    /// Its truth, if the recording has one.
+    pub truth: Option<Truth>,
+}
 
 /// The answer for one revolution of the flight.
 #[derive(Clone, Debug)]

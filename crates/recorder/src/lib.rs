@@ -49,6 +49,7 @@ mod gate;
 mod layout;
 mod live;
 mod matrices;
+mod mine;
 mod mission;
 mod mounting;
 mod notes;

@@ -140,7 +140,7 @@ impl Absent {
     pub(crate) fn log(&mut self, rows: &mut Rows, frame: &Frame, has_matrices: bool, order: &BeamOrder) {
         let n = frame.affinity.weights.n();
         let reason = match has_matrices {
-            false => "Not recorded (--detail light)".to_owned(),
+            false => "Not recorded (recording.detail=light)".to_owned(),
             true if n == 0 => "The scan has no return".to_owned(),
             true if !is_drawn(frame) => format!("{n} returns: pictures are made up to {LARGEST_SIDE}"),
             true => String::new(),

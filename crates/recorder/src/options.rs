@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use rerun::RecordingStreamError;
 
 use crate::truth::TrueWalls;
-use crate::{Layout, Mounting, Scope};
+use crate::{Mounting, Scope};
 
 /// Where and how to record.
 #[derive(Clone, Debug, Default)]
@@ -29,14 +29,10 @@ pub struct RecorderOptions {
     pub config_toml: String,
     /// How the sensor is mounted in the body frame.
     pub mounting: Mounting,
-    /// The page that the viewer opens with.
-    pub layout: Layout,
     /// What is recorded.
     pub scope: Scope,
     /// The recording that this becomes a part of; without it, one of its own.
     pub ids: Option<StoreIds>,
-    /// The name of the layer that this is of the recording: all entities stand below it. Empty if it is none.
-    pub layer: String,
 }
 
 /// What a viewer knows a recording by. Data with the same two is one recording, whoever sends it.

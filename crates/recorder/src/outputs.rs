@@ -10,7 +10,6 @@ use rerun::sink::LogSink;
 use rerun::{RecordingStream, RecordingStreamBuilder};
 
 use crate::backlog::{Backlog, Lost, Room};
-use crate::below::Below;
 use crate::file::RrdFile;
 use crate::live::{Live, Outlet};
 use crate::options::{RecorderError, RecorderOptions, StoreIds};
@@ -71,10 +70,6 @@ impl Outputs {
         sinks.extend(file.clone().map(|file| Box::new(file) as Box<dyn LogSink>));
         sinks.extend(pipe.clone().map(|pipe| Box::new(pipe) as Box<dyn LogSink>));
         sinks.extend(live.iter().map(|live| Box::new(live.sink()) as Box<dyn LogSink>));
-        if !options.layer.is_empty() {
-            let below = |sink| Box::new(Below { path: options.layer.as_str().into(), sink }) as Box<dyn LogSink>;
-            sinks = sinks.into_iter().map(below).collect();
-        }
         let backlog = options.live.then(Backlog::default);
         sinks.extend(backlog.iter().map(|backlog| Box::new(backlog.sink()) as Box<dyn LogSink>)); // behind the file
         let batches = ChunkBatcherConfig {

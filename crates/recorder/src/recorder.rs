@@ -11,8 +11,8 @@ use rerun::{RecordingStream, TextDocument, TextLog, TextLogLevel};
 
 use crate::backlog::Room;
 use crate::flight_map::FlightMap;
-use crate::layout::{self, Extent, Shown};
-use crate::mission::Mine;
+use crate::layout::{self, COMMAND, Extent, Layout, Shown};
+use crate::mine::Mine;
 use crate::options::{RecorderError, RecorderOptions};
 use crate::outputs::{Further, Outputs, SEND_AFTER_BYTES};
 use crate::piped::PipeSink;
@@ -30,8 +30,6 @@ const FLUSH_AFTER_NS: [u64; 2] = [2_500_000_000, 10_000_000_000];
 const FLUSH_LIVE_AFTER_NS: u64 = 1_000_000_000;
 /// Most revolutions between two flushes, whatever their stamps.
 const FLUSH_AFTER_REVOLUTIONS: u32 = 64;
-/// The timeline of revolutions that are shown one after the other ([`Recorder::show`]).
-pub(crate) const COMMAND: &str = "command";
 
 /// Records every frame that it sees.
 pub struct Recorder {
@@ -260,9 +258,8 @@ impl Recorder {
 
     fn send_layout(&mut self, extent: Extent) -> Result<(), RecorderError> {
         self.log_extent(extent)?;
-        let below = Some(self.options.layer.as_str()).filter(|layer| !layer.is_empty());
         let shown = match &self.mine {
-            None => Shown::Flight { first: self.options.layout, extent, below },
+            None => Shown::Flight { first: Layout::default(), extent },
             Some(mine) => Shown::Mission { corners_m: mine.corners_m, extent },
         };
         layout::send(self.outputs.stream(), &shown)?;

@@ -3,7 +3,7 @@
 use rerun::{MediaType, RecordingStream, RecordingStreamResult, TextDocument};
 
 use crate::colors::annotation_context;
-use crate::mission::Mine;
+use crate::mine::Mine;
 use crate::options::{RecorderError, RecorderOptions};
 use crate::schema::{ABOUT, COLORS, CONFIG};
 use crate::scope::Detail;

@@ -47,9 +47,6 @@ pub use revolutions::{RecordedScan, Revolutions};
 pub use rows::{Row, Rows};
 pub use value::{Array, Numbers, Value};
 
-/// The version of Arrow that the values are stored in.
-pub use rerun::external::arrow;
-
 /// Why nothing can be read.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]

@@ -21,7 +21,7 @@ use rerun::external::re_log_encoding::{
 use rerun::external::re_log_types::{ArrowMsg, StoreId};
 use rerun::log::{Chunk, LogMsg};
 
-use crate::{Damage, ReadError, schema};
+use crate::{Damage, ReadError};
 
 /// A message as it stands in a file.
 type Stored = <LogMsg as ToTransport>::Output;
@@ -55,8 +55,6 @@ pub struct Messages {
     at: u64,
     end: u64,
     is_over: bool,
-    /// The layer that its entities stand below; empty if there is none, `None` before the first of them.
-    layer: Option<String>,
 }
 
 impl Messages {
@@ -77,7 +75,7 @@ impl Messages {
         let (version, _) = StreamHeader::from_rrd_bytes(&header)
             .and_then(StreamHeader::to_version_and_options)
             .map_err(|e| cannot(e.to_string()))?;
-        Ok(Self { path: path.to_owned(), file, version, at: header.len() as u64, end, is_over: false, layer: None })
+        Ok(Self { path: path.to_owned(), file, version, at: header.len() as u64, end, is_over: false })
     }
 
     /// The version of Rerun that wrote the file.
@@ -107,11 +105,6 @@ impl Messages {
             }
         }
         Ok(found)
-    }
-
-    /// Whether the entities that were read so far stand below a layer. In the messages they stand at their own paths.
-    pub fn is_layer(&self) -> bool {
-        self.layer.as_ref().is_some_and(|layer| !layer.is_empty())
     }
 
     /// Length of the file.
@@ -175,21 +168,7 @@ impl Messages {
         let message = read(&mut self.file, location.bytes, header.kind, self.version);
         let message = message.map_err(|cause| self.unreadable(cause));
         self.at += location.bytes;
-        let mut message = message?;
-        if let LogMsg::ArrowMsg(_, arrow) = &mut message {
-            self.take_out_of_layer(arrow);
-        }
-        Ok((location, message))
-    }
-
-    /// Of a file that holds a layer, gives the entity the path that it has in other files.
-    fn take_out_of_layer(&mut self, arrow: &mut ArrowMsg) {
-        let Some(path) = arrow.batch.schema_ref().metadata().get(ENTITY_PATH) else { return };
-        let Some(layer) = schema::layer_of(path) else { return };
-        if self.layer.get_or_insert_with(|| layer.to_owned()) == layer && !layer.is_empty() {
-            let own = path[1 + layer.len()..].to_owned();
-            arrow.batch.schema_metadata_mut().insert(ENTITY_PATH.to_owned(), own);
-        }
+        Ok((location, message?))
     }
 
     fn cut_off(&self) -> Damage {

@@ -99,32 +99,6 @@ impl Entity {
     }
 }
 
-/// Where two recordings stand that are shown side by side. They are no layers.
-pub const SIDES: [&str; 2] = ["left", "right"];
-
-/// Whether entities of a layer may stand below this name: letters, digits, `_` and `-`, and neither the beginning of an entity of
-/// ours nor of one of Rerun's (`__properties`).
-pub fn is_layer_name(name: &str) -> bool {
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-    let is_taken = name.starts_with("__") || SIDES.contains(&name) || is_area(name);
-    !name.is_empty() && name.chars().all(is_plain) && !is_taken
-}
-
-/// The layer that a path belongs to: its first part, where an entity of ours follows it. Empty where the path begins with an entity
-/// of ours; `None` of all other paths.
-pub fn layer_of(path: &str) -> Option<&str> {
-    let mut parts = path.strip_prefix('/')?.splitn(3, '/');
-    let first = parts.next()?;
-    if is_area(first) {
-        return Some("");
-    }
-    parts.next().filter(|second| is_area(second) && is_layer_name(first)).map(|_| first)
-}
-
-fn is_area(part: &str) -> bool {
-    ENTITIES.iter().any(|entity| entity.area() == part)
-}
-
 /// All entities as a table in Markdown, for readers of a recording.
 pub fn markdown_table() -> String {
     let mut table = "| entity | holds | unit | precision | written |\n|---|---|---|---|---|\n".to_owned();
@@ -317,22 +291,6 @@ pub const TIMING: [Entity; 5] = [TIMING_INGEST, TIMING_AFFINITY, TIMING_SPECTRAL
 mod tests {
     use super::*;
     use std::collections::BTreeSet;
-
-    #[test]
-    fn a_layer_is_what_stands_before_an_entity() {
-        assert_eq!(layer_of("/report/junctions"), Some(""));
-        assert_eq!(layer_of("/mine/report/junctions"), Some("mine"));
-        for other in [
-            "/mcap/points",
-            "/left/report/junctions",
-            "/__properties/recording",
-            "/mine/else/report",
-            "/mine",
-            "mine/report",
-        ] {
-            assert_eq!(layer_of(other), None, "{other}");
-        }
-    }
 
     #[test]
     fn every_path_is_there_once_and_found_by_its_name() {

@@ -6,7 +6,7 @@ use std::process::Command;
 fn the_affinity_is_chosen_by_its_name_and_answers_every_scan() {
     let flight = concat!(env!("CARGO_MANIFEST_DIR"), "/../../recordings/tee.mcap");
     let output = Command::new(env!("CARGO_BIN_EXE_own_affinity"))
-        .args(["run", flight, "--every", "20", "--results", "-", "--quiet"])
+        .args(["run", flight, "--every", "20", "--out", "-", "--quiet"])
         .args(["--preset", "paper", "--set", "affinity.kind=quartic", "--set", "affinity.scale_m=0.4"])
         .output()
         .expect("it starts");

@@ -9,4 +9,4 @@ from .__main__ import hear
 
 
 def main() -> int:
-    return _native.program(["crosscut", "import", *sys.argv[1:]], {}, hear, _named.find_again)
+    return _native.program(["rerun-importer-crosscut", *sys.argv[1:]], {}, hear, _named.find_again)

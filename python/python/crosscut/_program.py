@@ -45,7 +45,7 @@ def run(
     paths, or a folder, are the parts of one flight. A stage may be any callable, as in :class:`Engine`; it then runs in a fork
     of this process.
     """
-    outputs = [part for option, path in (("--results", results), ("--map", map), ("--save", save)) if path is not None
+    outputs = [part for option, path in (("--out", results), ("--map", map), ("--save", save)) if path is not None
                for part in (option, path)]
     if not outputs:
         raise TypeError("run() writes nothing without results=, map= or save=")

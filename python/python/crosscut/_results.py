@@ -102,7 +102,7 @@ class Pose(NamedTuple):
 class Result:
     """The answer for one scan. Two results are equal if all but their timings are.
 
-    The fields are those of the lines that ``crosscut run --results`` writes, and what ``keep`` asks for.
+    The fields are those of the lines that ``crosscut run -o`` writes, and what ``keep`` asks for.
     """
 
     seq: int
@@ -236,7 +236,7 @@ def laplacian(w: Any, degrees: NDArray[np.float64]) -> Any:
 
 
 def results(path: str | os.PathLike[str]) -> pyarrow.Table:
-    """A file that ``crosscut run --results`` wrote, one row a scan; needs pyarrow.
+    """A file that ``crosscut run -o`` wrote, one row a scan; needs pyarrow.
 
     pandas, polars and DuckDB accept the table directly.
     """
@@ -293,5 +293,5 @@ def results(path: str | os.PathLike[str]) -> pyarrow.Table:
         raise ReadError(f"{os.fspath(path)} cannot be read: {error}") from error
     except pa.ArrowException as error:
         raise ReadError(
-            f"{os.fspath(path)} has no lines of results, as `crosscut run --results FILE.jsonl` writes them: {error}"
+            f"{os.fspath(path)} has no lines of results, as `crosscut run -o FILE.jsonl` writes them: {error}"
         ) from error

@@ -34,7 +34,7 @@ class Bus:
     takes an exception with which hearing ended.
     """
 
-    def __init__(self, endpoint: str, domain: int, config: str | os.PathLike[str] | None, fail: Callable[[BaseException], None]):
+    def __init__(self, endpoint: str, domain: int, config: str | None, fail: Callable[[BaseException], None]):
         settings = _settings(endpoint, config)
         try:
             self._session = zenoh.open(settings)
@@ -109,7 +109,7 @@ class _Publisher:
         self._publisher.put(message, attachment=numbers + b"\x10" + self._id)
 
 
-def _settings(endpoint: str, config: str | os.PathLike[str] | None) -> zenoh.Config:
+def _settings(endpoint: str, config: str | None) -> zenoh.Config:
     try:
         settings = zenoh.Config() if config is None else zenoh.Config.from_file(os.fspath(config))
     except zenoh.ZError as error:

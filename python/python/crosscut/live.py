@@ -11,15 +11,14 @@
 Robots whose ROS 2 speaks rmw_zenoh are heard as they are, through their Zenoh router (``zenoh://``, needs eclipse-zenoh);
 so are those that speak DDS (``ros2://``, needs cyclonedds). From a shell:
 
-    crosscut run zenoh://robot.local:7447/scan --odometry /odom --publish crosscut --map flight.json
-    crosscut run ros2://0/scan --odometry /odom --publish crosscut --map flight.json
+    crosscut run zenoh://robot.local:7447/scan --set ingest.odometry=/odom --publish crosscut --map flight.json
+    crosscut run ros2://0/scan --set ingest.odometry=/odom --publish crosscut --map flight.json
 """
 
 from __future__ import annotations
 
 import json
 import math
-import os
 import statistics
 import struct
 import threading
@@ -58,10 +57,11 @@ class Robot:
     A scan brings the odometry around it along: a flight or a navigator that it is added to corrects it for the motion of the
     robot, and knows its pose. The pose beside it is that in the middle of the scan; None where odometry does not tell it.
 
-    ``address``: "zenoh://HOST:PORT/TOPIC", the robot's Zenoh router (port 7447 if there is none) and the topic of its scans
-    in the ROS domain ``domain``; or, with their ``message_type``, a key expression of plain messages in CDR.
-    "ros2://DOMAIN/TOPIC" over DDS. ``odometry``: the topic of nav_msgs/Odometry, or "/tf". ``zenoh_config``: a configuration file
-    of Zenoh (JSON5), whose TLS settings and user are taken, and with "zenoh:///TOPIC" also its endpoint of the router.
+    ``address``: "zenoh://HOST:PORT/TOPIC", the robot's Zenoh router (port 7447 if there is none) and the topic of its scans;
+    or, with their ``message_type``, a key expression of plain messages in CDR. "?domain=N" behind it is a ROS domain other
+    than 0, "?config=FILE.json5" a configuration of Zenoh, whose TLS settings and user are taken, and with "zenoh:///TOPIC" also
+    its endpoint of the router; "&" joins both. "ros2://DOMAIN/TOPIC" over DDS. ``odometry``: the topic of nav_msgs/Odometry, or
+    "/tf".
 
     ``missed`` counts the scans that did not arrive, where their messages are numbered, or were left out; ``gaps`` counts those
     that are missing by the usual interval of the stamps, where messages are not numbered, as over DDS. ``clock_ns`` is how far
@@ -74,9 +74,7 @@ class Robot:
         address: str,
         *,
         odometry: str | None = None,
-        domain: int = 0,
         message_type: str | None = None,
-        zenoh_config: str | os.PathLike[str] | None = None,
     ) -> None:
         self.missed = self.gaps = 0
         self.clock_ns: int | None = None
@@ -87,9 +85,7 @@ class Robot:
         self._unreadable: dict[str, tuple[int, str]] = {}  # by topic: how many, and why the first
         self._failure: BaseException | None = None
         self._stopped = self._closed = False
-        scheme, _, rest = address.partition("://")
-        host, _, topic = rest.partition("/")
-        self._bus = _bus(scheme, host, topic, domain, message_type, zenoh_config, self._fail)
+        self._bus, topic = _bus(address, message_type, self._fail)
         of_type = [] if message_type is None else [message_type]
         self._bus.hear(topic.strip("/"), partial(self._hear_scan, topic), *of_type)
         if odometry is not None:
@@ -222,32 +218,29 @@ class Robot:
             self._changed.notify_all()
 
 
-def _bus(
-    scheme: str,
-    host: str,
-    topic: str,
-    domain: int,
-    message_type: str | None,
-    zenoh_config: str | os.PathLike[str] | None,
-    fail: Callable[[BaseException], None],
-) -> Any:
-    """What hears and sends topics: a ``Bus`` of the module for this kind of network."""
+def _bus(address: str, message_type: str | None, fail: Callable[[BaseException], None]) -> tuple[Any, str]:
+    """What hears and sends topics, a ``Bus`` of the module for this kind of network; and the topic of the scans."""
+    scheme, _, rest = address.partition("://")
+    place, _, query = rest.partition("?")
+    host, _, topic = place.partition("/")
+    options = dict(part.partition("=")[::2] for part in query.split("&") if part)
     if scheme == "zenoh":
-        if not topic or not (host or zenoh_config):
-            raise SettingsError("zenoh://HOST[:PORT]/TOPIC has a host and a topic")
+        domain, config = options.pop("domain", "0"), options.pop("config", None)
+        if not topic or not (host or config) or not domain.isdecimal() or options:
+            raise SettingsError("zenoh://HOST[:PORT]/TOPIC has a host and a topic; behind it may be ?domain=N&config=FILE.json5")
         with importing("zenoh://"):
             from . import _zenoh
 
-        return _zenoh.Bus(host, domain, zenoh_config, fail)
+        return _zenoh.Bus(host, int(domain), config, fail), topic
     if scheme == "ros2":
         if not host.isdecimal() or not topic:
             raise SettingsError("ros2://DOMAIN/TOPIC has a number and a topic")
-        if domain or message_type or zenoh_config:
+        if options or message_type:
             raise SettingsError("a robot on DDS has its domain in ros2://DOMAIN/TOPIC, and tells its types itself")
         with importing("ros2://"):
             from . import _dds
 
-        return _dds.Bus(int(host), fail)
+        return _dds.Bus(int(host), fail), topic
     raise SettingsError(f"a live robot is zenoh:// or ros2://, not {scheme}://")
 
 
@@ -276,11 +269,9 @@ class Source:
     """
 
     def __init__(self, address: str, options: dict[str, Any], feed: Any) -> None:
-        scheme, _, rest = address.partition("://")
-        host, _, topic = rest.partition("/")
         self._feed, self._publish = feed, options["publish"]
-        message_type, zenoh_config = options["message_type"], options["zenoh_config"]
-        self._bus = _bus(scheme, host, topic, options["domain"], message_type, zenoh_config, self._fail)
+        message_type = options["message_type"]
+        self._bus, topic = _bus(address, message_type, self._fail)
         # A key expression of plain messages may stand for several keys, which are one topic here.
         self._bus.hear(topic.strip("/"), partial(self._hear, options["topic"]), *([] if message_type is None else [message_type]))
         for name in options["beside"]:

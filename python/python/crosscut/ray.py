@@ -275,7 +275,7 @@ def _process(
     part.mkdir()
     try:
         outputs: dict[str, dict[str, str]] = {
-            "run": {"--results": f"{name}.jsonl", "--map": f"{name}.map.json"},
+            "run": {"--out": f"{name}.jsonl", "--map": f"{name}.map.json"},
             "compare": {"--csv": f"{name}.csv", "--json": f"{name}.json"},
         }
         written = {option: part / file for option, file in outputs[command[-1]].items()}
@@ -287,7 +287,7 @@ def _process(
         row: dict[str, Any] = {"flight": flight, "code": said.returncode, "error": None}
         if said.returncode in (DONE, SOMETHING_LOST):
             if command[-1] == "run":
-                row |= _figures(written["--results"], written["--map"])
+                row |= _figures(written["--out"], written["--map"])
             for file in written.values():
                 file.replace(Path(out) / file.name)
         if said.returncode != DONE:

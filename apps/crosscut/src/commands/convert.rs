@@ -1,18 +1,57 @@
 //! `crosscut convert`: any recording as an MCAP that other tools read.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
+use clap::Args;
+use clap::builder::{PathBufValueParser, TypedValueParser as _};
 use crosscut_detector::Registry;
 use crosscut_outfile::{Keep, Whole};
 use crosscut_stage::counted;
 
-use crate::cli::convert::ConvertArgs;
 use crate::diagnostics::Diagnostics;
 use crate::exit::{Outcome, UsageError};
-use crate::fly::{files_read, left_out_of_folders};
-use crate::say::say;
-use crate::{config, interrupt, outputs, progress};
+use crate::input::{CONFIGURATION, InputArgs, config, files_read, left_out_of_folders};
+use crate::interrupt;
+use crate::output::{files, progress, say};
+use crate::values::has_extension;
+
+#[derive(Debug, Args)]
+pub(crate) struct ConvertArgs {
+    #[command(flatten)]
+    input: InputArgs,
+    /// MCAP file for the scans (/scan) or clouds (/points), odometry (/odom) and transforms (/tf).
+    #[arg(short, long, value_name = "FLIGHT.mcap", value_parser = PathBufValueParser::new().try_map(converted_path))]
+    out: PathBuf,
+    /// File of settings, of which those of the section csv and ingest.echo count.
+    #[arg(long, value_name = "FILE.toml|FLIGHT.rrd", help_heading = CONFIGURATION)]
+    config: Option<PathBuf>,
+    /// Single setting that overrides the file: ingest.echo=VALUE or csv.KEY=VALUE. May be repeated.
+    #[arg(long, value_name = "SECTION.KEY=VALUE", value_parser = setting_of_conversion, help_heading = CONFIGURATION)]
+    set: Vec<String>,
+    /// Show no progress and no summary.
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// Endings of recordings that are no MCAP.
+const OTHER_FORMATS: [&str; 7] = ["rrd", "bag", "db3", "clf", "csv", "pcd", "ply"];
+
+fn converted_path(path: PathBuf) -> Result<PathBuf, &'static str> {
+    if OTHER_FORMATS.iter().any(|format| has_extension(&path, format)) {
+        return Err("convert writes MCAP: FLIGHT.mcap");
+    }
+    Ok(path)
+}
+
+fn setting_of_conversion(setting: &str) -> Result<String, &'static str> {
+    let key = setting.split('=').next().unwrap_or_default().trim();
+    if key.starts_with("csv.") || key == "ingest.echo" {
+        Ok(setting.to_owned())
+    } else {
+        Err("only csv.KEY and ingest.echo have an effect: scans are converted as they were recorded")
+    }
+}
 
 /// Writes the recording. What is at `--out` is replaced only when there is a whole recording to take its place.
 pub(crate) fn convert(args: &ConvertArgs, registry: &Registry) -> anyhow::Result<Outcome> {
@@ -24,7 +63,7 @@ pub(crate) fn convert(args: &ConvertArgs, registry: &Registry) -> anyhow::Result
     }
     let config = config::resolve("default", args.config.as_deref(), &[("--set", &args.set)], registry)?;
     let read = files_read(&args.input, args.config.clone())?;
-    outputs::refuse(&[&args.out], &read)?;
+    files::refuse(&[&args.out], &read)?;
     let options = args.input.read_options(&config);
     let echo = config.sensor().echo();
     let cannot = || format!("cannot write {}", args.out.display());

@@ -3,21 +3,46 @@
 //! The viewer calls every executable `rerun-importer-*` on the PATH with each file that it opens. It reads a recording from
 //! the standard output of one that knows the file; the others leave with a certain exit code.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use clap::Args;
 use crosscut_detector::{Config, Registry};
 use crosscut_ingest::{IngestError, Truths};
 use crosscut_pipeline::StopFlag;
 use crosscut_recorder::{Recorder, RecorderOptions, StoreIds};
 use crosscut_stage::{Frame, Observer, ObserverError};
 
-use crate::cli::import::ImportArgs;
-use crate::cli::input::{InputArgs, RecordingsArgs};
-use crate::config;
 use crate::diagnostics::Diagnostics;
 use crate::exit::Outcome;
-use crate::fly::{Flight, How, fly};
-use crate::{observers, outputs, progress};
+use crate::fly::{How, fly};
+use crate::input::{Flight, InputArgs, RecordingsArgs, config};
+use crate::output::{files, observers, progress};
+
+/// What the viewer calls an importer with.
+#[derive(Debug, Args)]
+pub(crate) struct ImportArgs {
+    /// The file that the viewer opens.
+    pub(crate) file: PathBuf,
+    /// What else the viewer says. Later viewers may say more, which changes nothing here.
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+    said: Vec<String>,
+}
+
+impl ImportArgs {
+    /// The value of an option.
+    fn value(&self, option: &str) -> Option<&str> {
+        let mut said = self.said.iter();
+        while let Some(word) = said.next() {
+            if word == option {
+                return said.next().map(String::as_str);
+            }
+            if let Some(value) = word.strip_prefix(option).and_then(|rest| rest.strip_prefix('=')) {
+                return Some(value);
+            }
+        }
+        None
+    }
+}
 
 /// The endings of recordings that may be flights. Tables, PCD and PLY are not among them: few of them are.
 const ENDINGS: [&str; 5] = ["bag", "db3", "clf", "log", "mcap"];
@@ -37,7 +62,7 @@ pub(crate) fn import(args: &ImportArgs, registry: &Registry) -> anyhow::Result<O
     let name = args.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let options = RecorderOptions { ids, ..observers::recorder_options(name, &config) };
     let (flight, truth) = (flight.with_shown_truths(Truths::open(&args.file).ok()), options.truth.clone());
-    let recorder = Recorder::piped(options, outputs::standard_output()?)?;
+    let recorder = Recorder::piped(options, files::standard_output()?)?;
     let stop = StopFlag::default();
     let mut observers: Vec<Box<dyn Observer>> = vec![Box::new(WhileRead { recorder, stop: stop.clone() })];
     let how = How { registry, stop: &stop, bar: &progress::bar(None, true), rate: None, has_poses: true };

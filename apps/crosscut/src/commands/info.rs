@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
+use clap::Args;
 use crosscut_detector::Registry;
 use crosscut_evaluate::tables::Table;
 use crosscut_ingest::{CsvGeometry, Description, ReadOptions, ScanDescription, TopicDescription, TopicInfo, describe};
@@ -10,14 +11,26 @@ use crosscut_outfile::Keep;
 use crosscut_stage::{NOTES_PAGE, counted};
 use serde_json::{Value, json};
 
-use crate::cli::InfoArgs;
 use crate::diagnostics::Diagnostics;
 use crate::exit::{Outcome, UsageError};
-use crate::fly::each_of;
+use crate::input::{ConfigArgs, RecordingsArgs, each_of};
 use crate::interrupt::stop_on_interrupt;
-use crate::outputs::Document;
-use crate::say::show;
-use crate::typeset::plain;
+use crate::output::typeset::plain;
+use crate::output::{Document, looking, show};
+
+#[derive(Debug, Args)]
+pub(crate) struct InfoArgs {
+    /// Explain the notes with this code instead (N082), or `all` of them.
+    #[arg(long, value_name = "CODE", exclusive = true)]
+    note: Option<String>,
+    #[command(flatten)]
+    recordings: RecordingsArgs,
+    #[command(flatten)]
+    config: ConfigArgs,
+    /// Write all that is found as JSON instead, one object per recording; `-` is standard output.
+    #[arg(long, value_name = "FILE.json")]
+    json: Option<PathBuf>,
+}
 
 /// Prints the description of every recording. One that cannot be read does not keep the others from being described.
 pub(crate) fn info(args: &InfoArgs, registry: &Registry) -> anyhow::Result<Outcome> {
@@ -101,14 +114,8 @@ fn run_line(args: &InfoArgs, scan_topics: &BTreeMap<String, u64>) -> Option<Stri
         words.extend(["--topic".to_owned(), topic.clone()]);
     }
     words.extend(args.recordings.read_as.iter().flat_map(|read_as| ["--as".to_owned(), read_as.name().to_owned()]));
-    words.extend(args.config.preset.iter().flat_map(|preset| ["--preset".to_owned(), preset.clone()]));
-    words.extend(args.config.config.iter().flat_map(|file| ["--config".to_owned(), file.display().to_string()]));
-    words.extend(args.config.set.iter().flat_map(|setting| ["--set".to_owned(), setting.clone()]));
-    let is_plain = |c: char| c.is_alphanumeric() || "/._-=:+,".contains(c);
-    let quoted = |word: String| {
-        if word.chars().all(is_plain) { word } else { format!("'{}'", word.replace('\'', "'\\''")) }
-    };
-    Some(words.into_iter().map(quoted).collect::<Vec<_>>().join(" "))
+    words.extend(looking::options(args.config.preset.as_deref(), args.config.config.as_deref(), &args.config.set));
+    Some(looking::line(words.into_iter()))
 }
 
 /// Single clouds or scans after one like them: a folder of them would fill pages.

@@ -3,25 +3,80 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use crosscut_detector::{Config, Registry};
+use clap::Args;
+use clap::builder::{PathBufValueParser, TypedValueParser as _};
+use crosscut_detector::Registry;
 use crosscut_ingest::Truths;
 use crosscut_pipeline::{End, StopFlag};
 use crosscut_stage::counted;
 
-use crate::cli::RunArgs;
 use crate::diagnostics::Diagnostics;
 use crate::exit::{Outcome, UsageError, is_closed_pipe};
-use crate::fly::{Coming, Flight, Flown, How, files_of, fly};
+use crate::fly::{Flown, How, fly};
+use crate::input::live::{self, Robots};
+use crate::input::{Coming, ConfigArgs, Flight, InputArgs, LiveArgs, files_of};
 use crate::interrupt::stop_on_interrupt;
-use crate::live::{self, Robots};
-use crate::say::{say, show};
-use crate::written::Written;
-use crate::{observers, outputs, progress, summary};
+use crate::output::maps::FORMATS;
+use crate::output::record::RecordArgs;
+use crate::output::robot::Answered;
+use crate::output::{Written, files, observers, progress, say, show, summary};
+use crate::values::{has_extension, positive};
+
+#[derive(Debug, Args)]
+pub(crate) struct RunArgs {
+    #[command(flatten)]
+    input: InputArgs,
+    #[command(flatten)]
+    live: LiveArgs,
+    #[command(flatten)]
+    config: ConfigArgs,
+    /// Results, one JSON object per scan; `-` is standard output. FILE.mcap has the scans beside them, and drawings for
+    /// Foxglove.
+    #[arg(short, long, value_name = "FILE.jsonl|FILE.mcap", value_parser = PathBufValueParser::new().try_map(results_path))]
+    out: Option<PathBuf>,
+    /// Write the map of the flight, junctions, dead ends and the passages between them: .svg (a drawing), .json, .geojson
+    /// (for Nav2) or .g2o (the visits as a pose graph).
+    #[arg(long, value_name = "FILE.svg|json|geojson|g2o", value_parser = PathBufValueParser::new().try_map(map_path))]
+    map: Option<PathBuf>,
+    /// Play at this multiple of the recorded pace (1 = as recorded); pauses of more than 10 s are skipped.
+    #[arg(long, value_name = "X", value_parser = positive, allow_negative_numbers = true, conflicts_with = "follow")]
+    rate: Option<f64>,
+    /// Show no progress bar and no summary.
+    #[arg(short, long)]
+    quiet: bool,
+    /// To a live robot, send JSON to KEY/results and KEY/map, and a drawing for RViz and Foxglove to the topic KEY/markers.
+    #[arg(long, value_name = "KEY")]
+    publish: Option<String>,
+    #[command(flatten)]
+    record: RecordArgs,
+}
+
+fn map_path(path: PathBuf) -> Result<PathBuf, String> {
+    if FORMATS.iter().any(|format| has_extension(&path, format)) {
+        Ok(path)
+    } else {
+        Err(format!("the name of a map ends in one of .{}", FORMATS.join(", .")))
+    }
+}
+
+/// Endings of other files, each with what makes one.
+const NO_RESULTS: [(&[&str], &str); 4] = [
+    (&["rrd"], "results are JSON lines or an MCAP; a recording for the viewer is --save FLIGHT.rrd"),
+    (&["svg", "geojson", "g2o"], "results are JSON lines or an MCAP; a map is --map FLIGHT.svg"),
+    (&["html"], "results are JSON lines or an MCAP; a page is made by `crosscut report`"),
+    (&["csv", "npy", "bag", "db3"], "results are JSON lines, an object a scan, or an MCAP: FILE.jsonl, FILE.mcap"),
+];
+
+/// Refuses the endings of other files, which would say something else than what is in the file.
+fn results_path(path: PathBuf) -> Result<PathBuf, &'static str> {
+    let refusal = NO_RESULTS.iter().find(|(endings, _)| endings.iter().any(|ending| has_extension(&path, ending)));
+    refusal.map_or(Ok(path), |(_, why)| Err(why))
+}
 
 /// Runs the flight. The results of a revolution are written before any observer sees it; in an MCAP they are on disk
 /// within a second of the flight.
 pub(crate) fn run(args: &RunArgs, registry: &Registry, robots: Option<&dyn Robots>) -> anyhow::Result<Outcome> {
-    let config = configuration(args, registry)?;
+    let config = args.config.resolve(registry)?;
     let robot = live::robot_of(&args.input, &args.live, args.publish.as_ref(), &config)?;
     if robot.is_some() && args.rate.is_some() {
         return Err(UsageError("a live robot is followed at its own pace; leave out --rate".to_owned()).into());
@@ -36,8 +91,9 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry, robots: Option<&dyn Robot
     };
     let is_stream = flight.is_stream();
     let mut diagnostics = Diagnostics::default();
-    let mut written = Written::open(args.results.as_deref(), args.map.as_deref(), &config, &read, &mut diagnostics)?;
-    let mut observers = observers::open(args, &config, &mut diagnostics)?;
+    let mut written = Written::open(args.out.as_deref(), args.map.as_deref(), &config, &read, &mut diagnostics)?;
+    let of = observers::Source { input: &args.input, settings: &args.config, is_paced: args.rate.is_some() };
+    let mut observers = observers::open(&args.record, &of, &config, &mut diagnostics)?;
     if let ([only], false, false) = (&args.input.recordings.input[..], observers.list.is_empty(), is_stream) {
         flight = flight.with_shown_truths(Truths::open(only).ok());
     }
@@ -45,7 +101,7 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry, robots: Option<&dyn Robot
         anyhow::bail!("no other output was requested");
     }
     let sends = args.publish.is_some();
-    let mut robot_answered = heard.map(|robot| live::Answered::new(robot, sends, config.sensor()));
+    let mut robot_answered = heard.map(|robot| Answered::new(robot, sends, config.sensor()));
     let is_numbered = robot.as_ref().is_none_or(|robot| robot.address.starts_with("zenoh"));
     let mut gaps = (!is_numbered).then(live::Gaps::default);
 
@@ -69,10 +125,13 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry, robots: Option<&dyn Robot
         Ok(())
     })?;
     bar.finish_and_clear();
+    let is_map_alone = is_map_alone(args);
     if !args.quiet {
-        say(summary::words(&flown));
+        if !is_map_alone {
+            say(summary::words(&flown));
+        }
         if !flown.is_empty() {
-            say(format_args!("{}\n", written.map_summary()));
+            say(format_args!("{}{}", written.map_summary(), if is_map_alone { "" } else { "\n" }));
         }
     }
     if let Err(error) = written.finish(&flown, &mut diagnostics) {
@@ -92,7 +151,7 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry, robots: Option<&dyn Robot
     if is_stream && robot.is_none() && stop.is_set() {
         diagnostics.interrupt(); // the recording ended because of that; a robot is heard until then
     }
-    if !args.quiet && args.results.as_deref() != Some(Path::new("-")) {
+    if !args.quiet && !is_map_alone && args.out.as_deref() != Some(Path::new("-")) {
         show(summary::tables(&flown.summary))?;
     }
     if observers.served {
@@ -101,18 +160,18 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry, robots: Option<&dyn Robot
     Ok(diagnostics.outcome())
 }
 
-/// The configuration, with the odometry and the detail of a recording that were asked for.
-fn configuration(args: &RunArgs, registry: &Registry) -> Result<Config, UsageError> {
-    args.config.resolve_with(args.live.setting().into_iter().chain(args.record.scope.setting()), registry)
+/// Whether the map is all that was asked for: the summary is that of the map.
+fn is_map_alone(args: &RunArgs) -> bool {
+    args.map.is_some() && args.out.is_none() && args.publish.is_none() && !args.record.is_asked()
 }
 
 /// Refuses outputs that would replace an input or each other.
 fn refuse_overwriting(args: &RunArgs, read: &[PathBuf]) -> Result<(), UsageError> {
-    let written = args.record.save.iter().chain(&args.results).chain(&args.map);
+    let written = args.record.save.iter().chain(&args.out).chain(&args.map);
     let written: Vec<&Path> = written.map(PathBuf::as_path).collect();
-    outputs::refuse(&written, read)?;
+    files::refuse(&written, read)?;
     match &args.record.save {
-        Some(save) => outputs::refuse_parts(save, read.iter().map(PathBuf::as_path).chain(written)),
+        Some(save) => files::refuse_parts(save, read.iter().map(PathBuf::as_path).chain(written)),
         None => Ok(()),
     }
 }

@@ -1,18 +1,84 @@
 //! `crosscut simulate`: flights, and suites of scenes, with truth.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
+use clap::builder::{PathBufValueParser, TypedValueParser as _};
+use clap::{Args, ValueEnum};
 use crosscut_pipeline::StopFlag;
-use crosscut_simulator::{Flight, Plan, SCENES, Scene, Split, Suite, scenarios, suites, write_mcap};
+use crosscut_simulator::{Flight, SCENES, Scene, Split, Suite, scenarios, suites, write_mcap};
 use crosscut_stage::counted;
 
-use crate::cli::{SimulateArgs, SplitArg};
-use crate::exit::{Outcome, UsageError};
+use crate::exit::{Outcome, UsageError, chosen};
+use crate::input::text_file::of_plan;
 use crate::interrupt::stop_on_interrupt;
-use crate::say::{say, show};
-use crate::text_file;
-use crate::{outputs, progress};
+use crate::output::{files, progress, say, show};
+use crate::values::{has_extension, number};
+
+#[derive(Debug, Args)]
+pub(crate) struct SimulateArgs {
+    /// Scenario of the flight; --list shows them.
+    #[arg(conflicts_with = "suite")]
+    scenario: Option<String>,
+    /// Plan of a mine to fly through, all of it: {"nodes":[{"id","x_m","y_m"}],"edges":[{"from","to","width_m","via_m"}]}.
+    /// `"start":{"node","towards"}` is where to start and which node to face, else the first dead end.
+    #[arg(long, value_name = "PLAN.json", conflicts_with_all = ["scenario", "suite"])]
+    plan: Option<PathBuf>,
+    /// Family of scenes for evaluation, instead of a flight; `all` for every family.
+    #[arg(long, value_name = "NAME")]
+    suite: Option<String>,
+    /// Scenes of the suite: parameters are chosen on dev, results are reported on report.
+    #[arg(long, value_enum, default_value = "dev", requires = "suite", conflicts_with = "scenario")]
+    split: SplitArg,
+    /// Output: FLIGHT.mcap for a scenario, a folder for suites.
+    #[arg(short, long, value_name = "PATH", value_parser = PathBufValueParser::new().try_map(mcap_path))]
+    out: Option<PathBuf>,
+    /// Seed of the random numbers; the same seed gives the same bytes.
+    #[arg(long, default_value_t = 1, conflicts_with = "suite", value_parser = number::<u64>, allow_negative_numbers = true)]
+    seed: u64,
+    /// Drift of the odometry of a flight, as a share of its way; its heading drifts by a tenth of it in rad per metre. `none`:
+    /// a flight without odometry.
+    #[arg(long, value_name = "SHARE|none", value_parser = drift, allow_negative_numbers = true, conflicts_with = "suite")]
+    drift: Option<Drift>,
+    /// List the scenarios and suites.
+    #[arg(long)]
+    list: bool,
+    /// Show no progress bar and no summary.
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum SplitArg {
+    /// To choose parameters on.
+    Dev,
+    /// To report on.
+    Report,
+}
+
+/// How odometry drifts.
+#[derive(Clone, Copy, Debug)]
+enum Drift {
+    /// There is none.
+    NoOdometry,
+    /// By this share of the way.
+    Share(f64),
+}
+
+fn drift(text: &str) -> Result<Drift, String> {
+    if text == "none" {
+        return Ok(Drift::NoOdometry);
+    }
+    let share = text.parse().ok().filter(|share| (0.0..=0.5).contains(share));
+    share.map(Drift::Share).ok_or_else(|| "the drift is a share of the way, from 0 to 0.5, or none".to_owned())
+}
+
+fn mcap_path(path: PathBuf) -> Result<PathBuf, &'static str> {
+    if has_extension(&path, "rrd") {
+        return Err("the output is an MCAP recording, not one for the Rerun viewer: FLIGHT.mcap");
+    }
+    Ok(path)
+}
 
 /// Writes a flight or suites, or lists what there is.
 pub(crate) fn simulate(args: &SimulateArgs) -> anyhow::Result<Outcome> {
@@ -53,34 +119,31 @@ fn list() -> anyhow::Result<Outcome> {
 }
 
 fn flight(name: &str, args: &SimulateArgs, out: &Path, stop: &StopFlag) -> anyhow::Result<Outcome> {
-    let scenario = scenarios().iter().find(|scenario| scenario.name == name);
-    let scenario = scenario.ok_or_else(|| unknown("scenario", name, scenarios().iter().map(|s| s.name)))?;
+    let scenario = chosen("scenario", name, scenarios(), |scenario| scenario.name)?;
     write(out, with_odometry((scenario.fly)(args.seed), args), None, args.quiet, stop)
 }
 
 /// The flight with the odometry that was asked for.
 fn with_odometry(flight: Flight, args: &SimulateArgs) -> Flight {
     match args.drift {
-        _ if args.no_odometry => flight.without_odometry(),
-        Some(share) => flight.with_drift(share, args.seed),
+        Some(Drift::NoOdometry) => flight.without_odometry(),
+        Some(Drift::Share(share)) => flight.with_drift(share, args.seed),
         None => flight,
     }
 }
 
 /// A flight through all of the mine of a plan.
 fn planned(path: &Path, args: &SimulateArgs, out: &Path, stop: &StopFlag) -> anyhow::Result<Outcome> {
-    outputs::refuse(&[out], &[path.to_owned()])?;
-    let in_plan = |error: &dyn std::fmt::Display| UsageError(format!("{}: {error}", path.display()));
-    let text = text_file::read(path).map_err(|error| in_plan(&error))?;
-    let flight = Plan::from_json(&text).and_then(|plan| plan.fly(args.seed)).map_err(|error| in_plan(&error))?;
+    files::refuse(&[out], &[path.to_owned()])?;
+    let flight = of_plan(path, |plan| plan.fly(args.seed))?;
     write(out, with_odometry(flight, args), None, args.quiet, stop)
 }
 
 fn suite_into(name: &str, args: &SimulateArgs, folder: &Path, stop: &StopFlag) -> anyhow::Result<Outcome> {
-    let chosen: Vec<&Suite> = suites().iter().filter(|suite| name == ALL || suite.name == name).collect();
-    if chosen.is_empty() {
-        return Err(unknown("suite", name, suites().iter().map(|s| s.name)).into());
-    }
+    let suites: Vec<&Suite> = match name {
+        ALL => suites().iter().collect(),
+        name => vec![chosen("suite", name, suites(), |suite| suite.name)?],
+    };
     if folder.is_file() {
         return Err(UsageError(format!("{} is a file; --suite writes a folder", folder.display())).into());
     }
@@ -89,7 +152,7 @@ fn suite_into(name: &str, args: &SimulateArgs, folder: &Path, stop: &StopFlag) -
         SplitArg::Dev => Split::Dev,
         SplitArg::Report => Split::Report,
     };
-    for suite in chosen {
+    for suite in suites {
         let path = folder.join(format!("{}.mcap", suite.name));
         let outcome = if stop.is_set() {
             Outcome::Interrupted
@@ -130,8 +193,4 @@ fn write(
         say(format_args!("{interrupted}{written} with truth: {}", path.display()));
     }
     Ok(outcome)
-}
-
-fn unknown<'a>(what: &str, name: &str, known: impl Iterator<Item = &'a str>) -> UsageError {
-    UsageError(format!("there is no {what} {name:?}; there are: {}", known.collect::<Vec<_>>().join(", ")))
 }

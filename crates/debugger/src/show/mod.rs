@@ -8,14 +8,13 @@ mod strip;
 use crosscut_explain::{Explanation, inequality};
 use crosscut_flight::{FlightAnswer, Here};
 use crosscut_stage::{Frame, Verdict};
-use serde_json::{Value, json};
 
 use crate::command::takes;
-use crate::session::{answer_in_words, merge};
-use crate::{Refused, Reply, Session};
+use crate::session::answer_in_words;
+use crate::{Refused, Session};
 
 impl Session {
-    pub(crate) fn show(&mut self, words: &[String]) -> Result<Reply, Refused> {
+    pub(crate) fn show(&mut self, words: &[String]) -> Result<String, Refused> {
         let what = match words {
             [] => return Ok(self.show_answer()),
             [what] => what.as_str(),
@@ -39,13 +38,12 @@ impl Session {
             "openings" => openings(frame),
             _ => return self.show_flown(what),
         };
-        Ok(Reply::new(text, as_value(frame, what)))
+        Ok(text)
     }
 
-    fn show_answer(&mut self) -> Reply {
-        let mut here = self.here();
+    fn show_answer(&mut self) -> String {
         let frame = self.frame();
-        let mut lines = vec![here.text.clone(), format!("returns: {}", frame.revolution.len())];
+        let mut lines = vec![self.here(), format!("returns: {}", frame.revolution.len())];
         if frame.failure.is_none() {
             let margin = frame.spectrum.margin_decades;
             let margin = margin.map_or_else(String::new, |decades| format!(", a margin of {decades:.1} decades"));
@@ -54,28 +52,22 @@ impl Session {
         }
         if let Some(truth) = &self.now.given.flight[self.at].truth {
             lines.push(format!("truth: {} walls, {} openings", truth.walls, truth.openings.len()));
-            merge(&mut here.value, json!({"truth": {"walls": truth.walls, "openings": truth.openings.len()}}));
         }
         lines.extend(frame.notes.iter().map(|note| format!("note: {note}")));
-        let notes: Vec<&str> = frame.notes.iter().collect();
-        merge(&mut here.value, json!({"returns": frame.revolution.len(), "notes": notes}));
-        Reply { text: lines.join("\n"), value: here.value }
+        lines.join("\n")
     }
 
     /// The place or the pose, of which the flight so far is a part.
-    fn show_flown(&mut self, what: &str) -> Result<Reply, Refused> {
+    fn show_flown(&mut self, what: &str) -> Result<String, Refused> {
         let at = self.at;
         let flown: FlightAnswer = self.now.flown(&self.means)?[at].clone();
         if what == "pose" {
             return Ok(match flown.pose {
-                None => Reply::new("no pose is known", json!({"pose": null})),
+                None => "no pose is known".to_owned(),
                 Some(pose) => {
                     let ([x, y], yaw) = (<[f64; 2]>::from(pose.translation.vector), pose.rotation.angle());
-                    let text = format!(
-                        "{x:.2} m ahead and {y:.2} m left of the first pose, turned by {:+.1}°",
-                        yaw.to_degrees()
-                    );
-                    Reply::new(text, json!({"pose": {"x_m": x, "y_m": y, "yaw_rad": yaw}}))
+                    let turned_deg = yaw.to_degrees();
+                    format!("{x:.2} m ahead and {y:.2} m left of the first pose, turned by {turned_deg:+.1}°")
                 }
             });
         }
@@ -87,13 +79,11 @@ impl Session {
                 format!("{name}: {kind}, ways at {}, confidence {confidence:.2}", ways.join(", "))
             }
         };
-        let value = |here: Option<&Here>| here.map(|here| json!({"kind": here.kind.name(), "ways": here.ways.len()}));
         let (here, steady) = (flown.here.as_ref(), flown.steady_here());
-        let text = format!("{}\n{}", words("this revolution", here), words("steady", steady));
-        Ok(Reply::new(text, json!({"here": value(here), "steady": value(steady)})))
+        Ok(format!("{}\n{}", words("this revolution", here), words("steady", steady)))
     }
 
-    pub(crate) fn why(&mut self, words: &[String]) -> Result<Reply, Refused> {
+    pub(crate) fn why(&mut self, words: &[String]) -> Result<String, Refused> {
         let frame = self.frame();
         if frame.failure.is_some() {
             return Err(Refused::Failed(answer_in_words(frame)));
@@ -102,8 +92,7 @@ impl Session {
         match words {
             [] => {
                 let text = Explanation::of(frame).to_markdown(frame, &|_| "");
-                let text = text.replace("**", "").replace("## ", "").replace("\n\n", "\n");
-                Ok(Reply::new(text, json!({"revolution": frame.revolution.seq})))
+                Ok(text.replace("**", "").replace("## ", "").replace("\n\n", "\n"))
             }
             [gap] if gap == "gap" => {
                 if verdicts.is_empty() {
@@ -111,8 +100,7 @@ impl Session {
                 }
                 let lines: Vec<String> =
                     verdicts.iter().enumerate().map(|(at, verdict)| gap_in_words(frame, at, verdict)).collect();
-                let list: Vec<Value> = verdicts.iter().map(|verdict| gap_as_value(frame, verdict)).collect();
-                Ok(Reply::new(lines.join("\n"), json!({"gaps": list})))
+                Ok(lines.join("\n"))
             }
             [gap, number] if gap == "gap" => {
                 if verdicts.is_empty() {
@@ -128,10 +116,7 @@ impl Session {
                         weight = w;
                     }
                 });
-                let text = format!("{}\nW[{a}, {b}] = {weight:?}", gap_in_words(frame, at, verdict));
-                let mut value = gap_as_value(frame, verdict);
-                merge(&mut value, json!({"weight": weight}));
-                Ok(Reply::new(text, value))
+                Ok(format!("{}\nW[{a}, {b}] = {weight:?}", gap_in_words(frame, at, verdict)))
             }
             _ => Err(takes("why")),
         }
@@ -156,17 +141,6 @@ fn gap_in_words(frame: &Frame, at: usize, verdict: &Verdict) -> String {
     format!("gap {at}, {from} to {to}, {width_m:.2} m: {what}; {room}{odds}")
 }
 
-fn gap_as_value(frame: &Frame, verdict: &Verdict) -> Value {
-    json!({
-        "returns": verdict.returns, "width_m": width_m(frame, verdict), "opening": verdict.is_opening,
-        "room_ratio": verdict.room_ratio, "p": verdict.p, "reason": verdict.reason,
-        "measured": verdict.measured.map(|measured| json!({
-            "what": measured.what, "value": measured.value, "against": measured.against, "limit": measured.limit,
-            "unit": measured.unit,
-        })),
-    })
-}
-
 fn width_m(frame: &Frame, verdict: &Verdict) -> f64 {
     let [a, b] = verdict.returns.map(|i| frame.revolution.points_m[i as usize]);
     (a - b).norm()
@@ -182,28 +156,6 @@ fn openings(frame: &Frame) -> String {
     };
     let lines: Vec<String> = frame.junction.openings.iter().map(line).collect();
     if lines.is_empty() { "no opening".to_owned() } else { lines.join("\n") }
-}
-
-/// The numbers behind a picture, where they are few.
-fn as_value(frame: &Frame, what: &str) -> Value {
-    let spectrum = &frame.spectrum;
-    let mut value = json!({"revolution": frame.revolution.seq, "shown": what});
-    let more = match what {
-        "spectrum" => json!({"eigenvalues": spectrum.eigenvalues, "tolerance": spectrum.tolerance, "k": spectrum.k}),
-        "walls" => {
-            let walls = frame.junction.walls.iter();
-            let wall = |wall: &crosscut_stage::Wall| json!({"id": wall.id, "returns": wall.returns, "bearing_rad": wall.bearing_rad, "island": wall.island});
-            json!({"walls": walls.map(wall).collect::<Vec<_>>()})
-        }
-        "openings" => {
-            let openings = frame.junction.openings.iter();
-            let opening = |o: &crosscut_stage::Opening| json!({"bearing_rad": o.bearing_rad, "width_m": o.width_m, "walls": o.walls, "p": o.p, "known": o.known.as_str()});
-            json!({"openings": openings.map(opening).collect::<Vec<_>>()})
-        }
-        _ => json!({}),
-    };
-    merge(&mut value, more);
-    value
 }
 
 pub(crate) fn degrees(rad: f64) -> String {

@@ -2,16 +2,10 @@
 
 use rerun::blueprint::{ContainerLike, Horizontal, Tabs, Vertical};
 
+use super::differs::{DIFFERS_CONFIDENCE, DIFFERS_WALLS};
 use super::pages;
 use super::views::Views;
 use crate::schema::AFFINITY_W;
-
-/// What is known of two flights alone: where they differ, lines of both and the truth, the list, and the summary.
-pub(crate) const DIFFERS: &str = "/differs";
-pub(crate) const DIFFERS_WALLS: &str = "/differs/walls";
-pub(crate) const DIFFERS_CONFIDENCE: &str = "/differs/confidence";
-pub(crate) const DIFFERS_LOG: &str = "/differs/log";
-pub(crate) const DIFFERS_SUMMARY: &str = "/differs/summary";
 
 /// Two flights: where they differ, and below it the scan and the reasons of both, the first on the left.
 pub(super) fn beside(left: &mut Views, right: &mut Views) -> ContainerLike {

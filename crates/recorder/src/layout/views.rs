@@ -12,9 +12,9 @@ use rerun::external::re_sdk_types::blueprint::archetypes::{
     TimeAxis, VisualBounds2D,
 };
 
+use super::differs::{DIFFERS, DIFFERS_LOG, DIFFERS_SUMMARY};
+use super::extent::{Extent, Side};
 use super::properties::Properties;
-use super::together::{DIFFERS, DIFFERS_LOG, DIFFERS_SUMMARY};
-use super::{Extent, Side};
 use crate::eigenvectors::HEIGHT;
 use crate::gaps::gaps_bounds;
 use crate::profile::profile_bounds;

@@ -11,7 +11,7 @@ use rerun::{
 
 use super::flight::Facts;
 use crate::colors::{REPORTED, TRUTH, ZEROS, color};
-use crate::layout::together::{DIFFERS, DIFFERS_CONFIDENCE, DIFFERS_LOG, DIFFERS_SUMMARY, DIFFERS_WALLS};
+use crate::layout::differs::{DIFFERS, DIFFERS_CONFIDENCE, DIFFERS_LOG, DIFFERS_SUMMARY, DIFFERS_WALLS};
 
 /// The summary names this many settings at most.
 const SHOWN_SETTINGS: usize = 4;

@@ -8,10 +8,10 @@ use crosscut_rrd::parts::{Marks, files_named_like_parts};
 use crosscut_rrd::{Damage, ReadError, Recording};
 use rerun::external::re_log_types::{ArrowMsg, EntityPath, StoreId};
 use rerun::log::{Chunk, LogMsg};
-use rerun::{CoordinateFrame, Scalars, StoreKind, TextDocument, Transform3D, components};
+use rerun::{CoordinateFrame, StoreKind, TextDocument, Transform3D, components};
 
-use super::ShowError;
-use super::made::{self, Made};
+use super::error::ShowError;
+use super::made::{self, Made, numbers};
 use crate::below::moved;
 use crate::layout::Extent;
 use crate::schema;
@@ -40,8 +40,6 @@ pub(super) struct Facts {
     pub(super) made: BTreeMap<i64, Made>,
     /// What its parts say of themselves.
     pub(super) marks: Marks,
-    /// It is a layer: its own pages are for the places where its entities stand in the file.
-    pub(super) is_layer: bool,
 }
 
 /// Under which name, and where in the tree of entities, a flight is shown.
@@ -91,9 +89,7 @@ impl Flight {
     ) -> Result<Vec<String>, ShowError> {
         let mut damages = Vec::new();
         for path in &self.parts {
-            let mut messages = Messages::open(path)?;
-            while let Some(message) = messages.next() {
-                facts.is_layer = messages.is_layer();
+            for message in Messages::open(path)? {
                 let message = message.map_err(|damage| self.in_words(&damage));
                 match message.and_then(|(_, message)| destination.put(message, facts)) {
                     Ok(Some(message)) => {
@@ -124,7 +120,7 @@ impl Destination {
     /// The message as it is shown; nothing if it is not.
     fn put(&self, mut message: LogMsg, facts: &mut Facts) -> Result<Option<LogMsg>, String> {
         if message.store_id().kind() == StoreKind::Blueprint {
-            return Ok((self.own_layout && !facts.is_layer).then_some(message));
+            return Ok(self.own_layout.then_some(message));
         }
         message.set_store_id(self.store.clone());
         let LogMsg::ArrowMsg(_, arrow) = &message else { return Ok(Some(message)) };
@@ -183,16 +179,6 @@ impl Facts {
         let after = self.revolutions.partition_point(|[stamp, _]| *stamp <= stamp_ns);
         self.revolutions.get(after.saturating_sub(1)).map_or(0, |[_, seq]| *seq)
     }
-}
-
-/// The number at each revolution, where there is one.
-pub(super) fn numbers(chunk: &Chunk) -> Vec<(i64, f64)> {
-    let revolutions = chunk.timelines().get(&"revolution".into()).map_or(&[][..], |column| column.times_raw());
-    let number = |row: usize| {
-        let scalars = chunk.component_batch::<components::Scalar>(Scalars::descriptor_scalars().component, row);
-        Some(scalars?.ok()?.first()?.0.0)
-    };
-    revolutions.iter().enumerate().filter_map(|(row, &seq)| Some((seq, number(row)?))).collect()
 }
 
 /// The entity that a message is about; empty if it does not say.

@@ -4,9 +4,8 @@ use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 
 use rerun::log::Chunk;
-use rerun::{ComponentDescriptor, EncodedDepthImage, Tensor, TensorBuffer, components};
+use rerun::{ComponentDescriptor, EncodedDepthImage, Scalars, Tensor, TensorBuffer, components};
 
-use super::flight::numbers;
 use crate::schema;
 
 /// What the recording has of the output of the stages for a revolution: numbers that are equal where the outputs are equal.
@@ -96,6 +95,16 @@ fn renumbered(labels: &[i32]) -> Vec<i32> {
             if label < 0 { label } else { *new.entry(label).or_insert(next) }
         })
         .collect()
+}
+
+/// The number at each revolution, where there is one.
+pub(super) fn numbers(chunk: &Chunk) -> Vec<(i64, f64)> {
+    let revolutions = chunk.timelines().get(&"revolution".into()).map_or(&[][..], |column| column.times_raw());
+    let number = |row: usize| {
+        let scalars = chunk.component_batch::<components::Scalar>(Scalars::descriptor_scalars().component, row);
+        Some(scalars?.ok()?.first()?.0.0)
+    };
+    revolutions.iter().enumerate().filter_map(|(row, &seq)| Some((seq, number(row)?))).collect()
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@
 
 mod control;
 mod differences;
+mod error;
 mod flight;
 mod made;
 mod sensors;
@@ -15,20 +16,19 @@ use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use crosscut_rrd::ReadError;
 use rerun::log::LogMsg;
 use rerun::sink::LogSink as _;
 
+pub use self::error::ShowError;
 use self::flight::{Destination, Facts, Flight};
 use crate::RecorderError;
 use crate::layout::{self, Layout, Shown, Side};
-use crate::schema::SIDES;
 use crate::serving::{self, Served};
 use crate::viewer::Viewer;
 
 /// Where two flights are put that are seen side by side.
-const LEFT: &str = SIDES[0];
-const RIGHT: &str = SIDES[1];
+const LEFT: &str = "left";
+const RIGHT: &str = "right";
 
 /// What to show.
 #[derive(Clone, Debug, Default)]
@@ -39,31 +39,10 @@ pub struct Show {
     pub beside: Vec<PathBuf>,
     /// MCAP recordings of the same time: point clouds, cameras and transforms.
     pub sensors: Vec<PathBuf>,
-    /// The page to open with. If none: the page that only this combination has, or the one that the recording was made
-    /// for.
+    /// The page to open with. If none: the page that only this combination has, or that of the recording.
     pub layout: Option<Layout>,
     /// The revolution to open at, in a viewer; if none, the last.
     pub at: Option<u64>,
-}
-
-/// Why nothing is shown.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum ShowError {
-    /// The recording cannot be read.
-    #[error(transparent)]
-    Recording(#[from] ReadError),
-    /// The MCAP recording cannot be read.
-    #[error("cannot convert the recording: {cause}: {}", path.display())]
-    Sensors {
-        /// Which file.
-        path: PathBuf,
-        /// What is wrong.
-        cause: String,
-    },
-    /// There is no viewer or no address to show it at.
-    #[error(transparent)]
-    Viewer(#[from] RecorderError),
 }
 
 impl Show {
@@ -154,8 +133,8 @@ impl Opened<'_> {
             sensors::tie(store, &facts)?.into_iter().all(&mut *take);
             let (extent, root, pictures) = (facts.extent, sensors::ROOT, &pictures[..]);
             lay_out(&Shown::Sensors { first, extent, root, pictures }, take)?;
-        } else if let Some(first) = first.or(facts.is_layer.then(Layout::default)) {
-            lay_out(&Shown::Flight { first, extent: facts.extent, below: None }, take)?;
+        } else if let Some(first) = first {
+            lay_out(&Shown::Flight { first, extent: facts.extent }, take)?;
         }
         Ok((damages, facts.revolutions))
     }

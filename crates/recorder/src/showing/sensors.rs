@@ -13,7 +13,7 @@ use rerun::external::re_log_types::{EntityPath, StoreId};
 use rerun::log::{Chunk, LogMsg};
 use rerun::{RecordingStreamBuilder, StoreKind, TimeColumn, Transform3D, TransformRelation};
 
-use super::ShowError;
+use super::error::ShowError;
 use super::flight::Facts;
 use crate::RecorderError;
 

@@ -15,9 +15,10 @@ use crosscut_pipeline::{End, StopFlag, Summary};
 use crosscut_report::{CONFIDENCE, ResultsLine, VEHICLE_WIDTH_M};
 use crosscut_stage::{Failure, FailureCause, Frame, SURE, Step, Timings, counted};
 
-use crate::configurations::Configuration;
 use crate::diagnostics::Diagnostics;
-use crate::fly::{Flight, Flown, Judge};
+use crate::fly::Flown;
+use crate::input::configurations::Configuration;
+use crate::input::{Flight, Judge};
 
 /// A flight, and what every configuration makes of it.
 pub(super) struct Compared {

@@ -11,6 +11,7 @@ use std::sync::{Mutex, PoisonError};
 use std::thread::{self, Builder};
 
 use anyhow::Context;
+use clap::Args;
 use crosscut_detector::{Registry, panic_text};
 use crosscut_outfile::Keep;
 use crosscut_pipeline::StopFlag;
@@ -18,16 +19,46 @@ use indicatif::ProgressBar;
 
 use self::flight::Compared;
 use self::shown::Shown;
-use crate::cli::CompareArgs;
-use crate::configurations::{self, Configuration, Grid};
 use crate::diagnostics::Diagnostics;
 use crate::exit::{Outcome, UsageError};
-use crate::fly::{Coming, Flight, each_of, files_of};
+use crate::input::configurations::{self, Configuration, Grid};
+use crate::input::live::{Robots, robot_of};
+use crate::input::{CONFIGURATION, Coming, Flight, InputArgs, LiveArgs, each_of, files_of};
 use crate::interrupt::stop_on_interrupt;
-use crate::live::{Robots, robot_of};
-use crate::outputs::{self, Document};
-use crate::progress;
-use crate::say::show;
+use crate::output::{Document, files, progress, show};
+
+#[derive(Debug, Args)]
+pub(crate) struct CompareArgs {
+    #[command(flatten)]
+    input: InputArgs,
+    #[command(flatten)]
+    live: LiveArgs,
+    /// Configuration, in parts that commas separate: a preset, a file of settings over it (FILE.toml, or FLIGHT.rrd made with
+    /// `run --save`), single settings over both. `NAME=` before them names it in tables
+    /// (`mine=paper,affinity.sigma_per_m2=3`). Repeat it: the others are compared with the first. [default: default]
+    #[arg(long, help_heading = CONFIGURATION, value_name = "[NAME=]PRESET|FILE.toml|SETTING[,...]")]
+    with: Vec<String>,
+    /// Setting with the values to try in every configuration, such as affinity.sigma_per_m2=0.5,1,1.5. Repeat it to try every
+    /// combination.
+    #[arg(long, help_heading = CONFIGURATION, value_name = "KEY=V1,V2...")]
+    grid: Vec<String>,
+    /// Single setting that overrides every configuration. May be repeated.
+    #[arg(long, help_heading = CONFIGURATION, value_name = "SECTION.KEY=VALUE")]
+    set: Vec<String>,
+    /// Show all tables: counts, labels, openings and confidence, every stretch where walls differ, and a command for each
+    /// revolution that is mended or broken.
+    #[arg(long)]
+    details: bool,
+    /// Write a row for each flight and configuration; `-` is standard output.
+    #[arg(long, value_name = "FILE.csv")]
+    csv: Option<PathBuf>,
+    /// Write all figures, verdicts and stretches as JSON; `-` is standard output.
+    #[arg(long, value_name = "FILE.json")]
+    json: Option<PathBuf>,
+    /// Show no progress bar and no tables.
+    #[arg(short, long)]
+    quiet: bool,
+}
 
 /// A flight to be compared: its name and its files.
 type Input = (String, Vec<PathBuf>);
@@ -35,14 +66,13 @@ type Input = (String, Vec<PathBuf>);
 /// Answers every flight by every configuration, and compares the answers with the truth and with those of the first.
 pub(crate) fn compare(args: &CompareArgs, registry: &Registry, robots: Option<&dyn Robots>) -> anyhow::Result<Outcome> {
     let grid = Grid::parse(&args.grid)?;
-    let set: Vec<String> = args.set.iter().cloned().chain(args.live.setting()).collect();
-    let configurations = configurations::named(&args.with, &grid, &set, registry)?;
+    let configurations = configurations::named(&args.with, &grid, &args.set, registry)?;
     let stop = stop_on_interrupt()?; // before any recording is looked through
     let config = &configurations[0].config;
     let robot = robot_of(&args.input, &args.live, None, config)?;
     let read = files_of(&args.input, &args.live, robot.as_ref(), configurations::files(&args.with))?;
     let outputs: Vec<_> = args.json.iter().chain(&args.csv).map(PathBuf::as_path).collect();
-    outputs::refuse(&outputs, &read)?;
+    files::refuse(&outputs, &read)?;
     let open = |path: &PathBuf| Document::create(path, &read, Keep::ThroughKill);
     let (mut json, mut csv) = (args.json.as_ref().map(open).transpose()?, args.csv.as_ref().map(open).transpose()?);
     let mut diagnostics = Diagnostics::default();

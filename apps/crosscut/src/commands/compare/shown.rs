@@ -11,10 +11,10 @@ use crosscut_evaluate::{Differences, Evaluation, Proportion, Scoreboard, Stretch
 use serde_json::{Value, json};
 
 use super::flight::{Answers, Compared};
-use crate::cli::InputArgs;
-use crate::configurations::{Configuration, Grid};
-use crate::looking::{self, Looks, WrongAnswer};
-use crate::typeset;
+use crate::input::InputArgs;
+use crate::input::configurations::{Configuration, Grid};
+use crate::output::looking::{self, Looks, WrongAnswer};
+use crate::output::typeset;
 
 /// This many of the longest stretches are shown by default.
 const STRETCHES: usize = 15;

@@ -11,13 +11,13 @@ use rustyline::validate::Validator;
 use rustyline::{CompletionType, Config, Context, Editor, Helper};
 
 use super::{Debugger, is_end, words};
-use crate::say::{say, show};
+use crate::output::{say, show};
 
 /// Does one line after the other up to `quit` or Ctrl-D. Ctrl-C drops the line.
 pub(super) fn answer_all(debugger: &mut Debugger) -> anyhow::Result<()> {
     let config = Config::builder().completion_type(CompletionType::List).build(); // as shells do
     let mut editor = Editor::with_history(config, MemHistory::new()).context("the terminal cannot be read")?;
-    show(format_args!("{}\n{}\n", debugger.session.greeting(), debugger.session.here_text()))?;
+    show(format_args!("{}\n{}\n", debugger.session.greeting(), debugger.session.here()))?;
     loop {
         editor.set_helper(Some(Completion::of(debugger)));
         let line = match editor.readline(&format!("{}> ", debugger.session.frame().revolution.seq)) {
@@ -35,7 +35,7 @@ pub(super) fn answer_all(debugger: &mut Debugger) -> anyhow::Result<()> {
             return Ok(());
         }
         match debugger.command(&words) {
-            Ok(reply) => show(format_args!("{}\n", reply.text))?,
+            Ok(reply) => show(format_args!("{}\n", reply))?,
             Err(error) => say(format_args!("error: {error}")),
         }
     }

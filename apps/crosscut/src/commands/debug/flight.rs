@@ -6,8 +6,7 @@ use std::rc::Rc;
 use crosscut_debugger::{Reader, Scan};
 use crosscut_detector::Config;
 
-use crate::cli::InputArgs;
-use crate::fly::{Flight, Judge};
+use crate::input::{Flight, InputArgs, Judge};
 
 /// What was lost of the flight when it was read last.
 pub(super) type Lost = Rc<RefCell<Vec<String>>>;

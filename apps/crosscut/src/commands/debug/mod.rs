@@ -1,35 +1,46 @@
-//! `crosscut debug`: a flight that answers back. The session is `crosscut-debugger`; here are its front ends: lines of words,
-//! edited on a terminal, and JSON-RPC.
+//! `crosscut debug`: a flight that answers back. The session is `crosscut-debugger`; here are its front ends: a prompt on a
+//! terminal, and lines of a file or pipe.
 
 mod editor;
-pub(super) mod flight;
-mod json;
+mod flight;
 mod outside;
 mod plain;
 #[cfg(feature = "rerun")]
-mod viewing;
-#[cfg(not(feature = "rerun"))]
-#[path = "viewing_without_rerun.rs"]
 mod viewing;
 
 use std::io::{self, IsTerminal as _};
 use std::path::{Path, PathBuf};
 
-use crosscut_debugger::{Refused, Reply, Session};
+use clap::Args;
+use crosscut_debugger::{Refused, Session};
 use crosscut_detector::{Layer, Registry};
 
 use self::outside::Outside;
+#[cfg(feature = "rerun")]
 use self::viewing::Viewing;
-use crate::cli::ConfigArgs;
-use crate::cli::debug::DebugArgs;
-use crate::config;
 use crate::diagnostics::Diagnostics;
 use crate::exit::{Outcome, UsageError};
-use crate::fly::files_read;
+#[cfg(not(feature = "rerun"))]
+use crate::gate::Viewing;
 use crate::host::Kinds;
+use crate::input::{ConfigArgs, InputArgs, config, files_read, recorded};
 use crate::interrupt::CommandInterrupt;
-use crate::recorded;
-use crate::say::say;
+use crate::output::say;
+use crate::values::number;
+
+#[derive(Debug, Args)]
+pub(crate) struct DebugArgs {
+    #[command(flatten)]
+    input: InputArgs,
+    #[command(flatten)]
+    config: ConfigArgs,
+    /// Begin at this revolution, as `seek N` does.
+    #[arg(long, value_name = "REVOLUTION", value_parser = number::<u64>, allow_negative_numbers = true)]
+    at: Option<u64>,
+    /// Show the page of stages in the Rerun viewer: of the present revolution, after every command; beside it what is held.
+    #[arg(long)]
+    view: bool,
+}
 
 /// A session with what it may write.
 struct Debugger<'a> {
@@ -43,7 +54,7 @@ struct Debugger<'a> {
 
 impl Debugger<'_> {
     /// Does what the words say.
-    fn command(&mut self, words: &[String]) -> Result<Reply, Refused> {
+    fn command(&mut self, words: &[String]) -> Result<String, Refused> {
         let before = self.session.version();
         let Self { session, outside, interrupt, kinds, .. } = self;
         let mut done = interrupt.while_working(|| match outside.command(session, words) {
@@ -58,8 +69,7 @@ impl Debugger<'_> {
             && self.session.frame().failure.is_some()
             && let Some(failed) = self.kinds.and_then(Kinds::failed)
         {
-            reply.text = format!("{}\n{}", reply.text, failed.trim_end());
-            reply.value["traceback"] = failed.into();
+            *reply += &format!("\n{}", failed.trim_end());
         }
         self.follow();
         done
@@ -83,7 +93,7 @@ pub(crate) fn debug(args: DebugArgs, registry: &Registry, kinds: Option<&dyn Kin
     }
     #[cfg(not(feature = "rerun"))]
     if args.view {
-        return Err(crate::exit::without_rerun());
+        return Err(crate::gate::without_rerun());
     }
     let read = files_read(&args.input, args.config.config.clone())?;
     let layers = layers(&args.input.recordings.input, &args.config)?;
@@ -92,7 +102,7 @@ pub(crate) fn debug(args: DebugArgs, registry: &Registry, kinds: Option<&dyn Kin
         None if recorded::only(&args.input.recordings.input)?.is_some() => "settings of the recording".to_owned(),
         _ => format!("preset {}", args.config.preset()),
     };
-    let name = args.input.recordings.input[0].file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let name = args.input.name();
     let (reader, lost) = flight::reader(args.input);
     let no_session = |refused| match refused {
         Refused::Failed(why) => anyhow::anyhow!(why),
@@ -104,16 +114,13 @@ pub(crate) fn debug(args: DebugArgs, registry: &Registry, kinds: Option<&dyn Kin
     }
     let mut diagnostics = Diagnostics::default();
     diagnostics.lost_all(lost.borrow().iter());
-    let is_terminal = !args.json && io::stdin().is_terminal() && io::stdout().is_terminal();
+    let is_terminal = io::stdin().is_terminal() && io::stdout().is_terminal();
     let interrupt = CommandInterrupt::listen(session.stop(), is_terminal)?;
     let viewing =
         if has_view { Viewing::open(&name, &preset).map_err(|error| diagnostics.lost(error)).ok() } else { None };
     let mut debugger = Debugger { interrupt, session, kinds, outside: Outside { name, read }, viewing };
     debugger.follow();
-    let refused = if args.json {
-        json::answer_all(&mut debugger, io::stdin().lock(), &mut io::stdout().lock())?;
-        0
-    } else if is_terminal {
+    let refused = if is_terminal {
         editor::answer_all(&mut debugger)?;
         0
     } else {

@@ -2,11 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use crosscut_debugger::{Refused, Reply, Session};
+use crosscut_debugger::{Refused, Session};
 use crosscut_outfile::Keep;
-use serde_json::json;
 
-use crate::outputs::{self, Document};
+use crate::output::{Document, files};
 
 /// What is around a session.
 pub(super) struct Outside {
@@ -19,7 +18,7 @@ pub(super) struct Outside {
 
 impl Outside {
     /// Does what the words say, if it is no work of the session alone.
-    pub(super) fn command(&self, session: &mut Session, words: &[String]) -> Option<Result<Reply, Refused>> {
+    pub(super) fn command(&self, session: &mut Session, words: &[String]) -> Option<Result<String, Refused>> {
         let words: Vec<&str> = words.iter().map(String::as_str).collect();
         Some(match words[..] {
             ["write", path] => self.write(session, Path::new(path)),
@@ -35,10 +34,10 @@ impl Outside {
     }
 
     fn refuse(&self, path: &Path) -> Result<(), Refused> {
-        outputs::refuse(&[path], &self.read).map_err(|error| Refused::Usage(error.0))
+        files::refuse(&[path], &self.read).map_err(|error| Refused::Usage(error.0))
     }
 
-    fn write(&self, session: &Session, path: &Path) -> Result<Reply, Refused> {
+    fn write(&self, session: &Session, path: &Path) -> Result<String, Refused> {
         self.refuse(path)?;
         let mut out = Document::create(path, &self.read, Keep::ThroughKill).map_err(failed)?;
         let (mut text, mut options) = (session.config().to_string(), String::new());
@@ -51,13 +50,12 @@ impl Outside {
             }
         }
         out.write(&text).map_err(failed)?;
-        let path = path.display().to_string();
-        let text = format!("settings in {path}; `--config {path}{options}` takes them");
-        Ok(Reply { text, value: json!({"path": path}) })
+        let path = path.display();
+        Ok(format!("settings in {path}; `--config {path}{options}` takes them"))
     }
 
     #[cfg(feature = "rerun")]
-    fn save(&self, session: &mut Session, path: &Path) -> Result<Reply, Refused> {
+    fn save(&self, session: &mut Session, path: &Path) -> Result<String, Refused> {
         use crosscut_recorder::{Recorder, RecorderOptions, TrueWalls};
 
         use super::viewing::tell;
@@ -67,22 +65,21 @@ impl Outside {
         session.truths().for_each(|(seq, of)| tell(&truth, seq, of));
         let options = RecorderOptions {
             truth,
-            path: Some(crate::cli::record::rrd_path(path.to_owned()).map_err(|why| Refused::Usage(why.to_owned()))?),
-            ..crate::observers::recorder_options(self.name.clone(), session.config())
+            path: Some(crate::output::record::rrd_path(path.to_owned()).map_err(|why| Refused::Usage(why.to_owned()))?),
+            ..crate::output::observers::recorder_options(self.name.clone(), session.config())
         };
         let mut recorder = Recorder::new(options).map_err(failed)?;
         let revolutions = session.show_all(&mut recorder).map_err(failed)?;
-        let path = path.display().to_string();
+        let path = path.display();
         if revolutions < session.revolutions() {
             return Err(Refused::Failed(format!("stopped; {path} holds the first {revolutions} revolutions")));
         }
-        let text = format!("{revolutions} revolutions in {path}; `crosscut view {path}` shows them");
-        Ok(Reply { text, value: json!({"path": path, "revolutions": revolutions}) })
+        Ok(format!("{revolutions} revolutions in {path}; `crosscut view {path}` shows them"))
     }
 
     #[cfg(not(feature = "rerun"))]
-    fn save(&self, _: &mut Session, _: &Path) -> Result<Reply, Refused> {
-        Err(Refused::Failed(crate::exit::without_rerun().to_string()))
+    fn save(&self, _: &mut Session, _: &Path) -> Result<String, Refused> {
+        Err(Refused::Failed(crate::gate::without_rerun().to_string()))
     }
 }
 

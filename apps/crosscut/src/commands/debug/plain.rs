@@ -5,7 +5,7 @@ use std::io::BufRead;
 use anyhow::Context;
 
 use super::{Debugger, is_end, words};
-use crate::say::{say, show};
+use crate::output::{say, show};
 
 /// Does one line after the other up to the end; empty lines, and lines that begin with `#`, do nothing. Returns how many
 /// were refused.
@@ -21,7 +21,7 @@ pub(super) fn answer_all(debugger: &mut Debugger, lines: impl BufRead) -> anyhow
             break;
         }
         match debugger.command(&words) {
-            Ok(reply) => show(format_args!("{}\n", reply.text))?,
+            Ok(reply) => show(format_args!("{}\n", reply))?,
             Err(error) => {
                 refused += 1;
                 say(format_args!("error: {error}"));

@@ -6,7 +6,7 @@ use crosscut_messages::Truth;
 use crosscut_recorder::{Answered, Beside, DebugView, RecorderError, RecorderOptions, TrueWalls};
 use crosscut_stage::Frame;
 
-use crate::observers::recorder_options;
+use crate::output::observers::recorder_options;
 
 /// A viewer that shows what a session stands at.
 pub(super) struct Viewing {

@@ -1,7 +1,9 @@
 //! `crosscut explore`: missions in closed loop through simulated mines.
 
+mod args;
+mod job;
 mod outcome;
-#[cfg_attr(not(feature = "rerun"), path = "save_without_rerun.rs")]
+#[cfg(feature = "rerun")]
 mod save;
 mod table;
 
@@ -9,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crosscut_detector::{Config, Registry, nearest_and_all};
+use crosscut_detector::{Config, Registry};
 use crosscut_missions::{About, Flown, Journal, Moment, ResumeError, Setup, fly};
 use crosscut_navigate::{PlannerKind, planners};
 use crosscut_outfile::Keep;
@@ -18,27 +20,33 @@ use crosscut_simulator::{Agility, Family, Plan, Scene, World, families};
 use indicatif::ProgressBar;
 use serde_json::Value;
 
+pub(crate) use self::args::ExploreArgs;
+use self::job::{Job, Place};
+#[cfg(feature = "rerun")]
 use self::save::Saved;
-use crate::cli::explore::ExploreArgs;
 use crate::diagnostics::Diagnostics;
-use crate::exit::{Outcome, UsageError};
+use crate::exit::{Outcome, UsageError, chosen};
+#[cfg(not(feature = "rerun"))]
+use crate::gate::Saved;
+use crate::input::text_file::of_plan;
 use crate::interrupt::stop_on_interrupt;
-use crate::outputs::Document;
-use crate::say::{say, show};
-use crate::text_file;
-use crate::{outputs, progress};
+use crate::output::{Document, files, progress, say, show};
 
 /// Flies missions, or lists what there is.
 pub(crate) fn explore(args: &ExploreArgs, registry: &Registry) -> anyhow::Result<Outcome> {
     if args.list {
         return list();
     }
-    let config = args.config.resolve_with(args.scope.setting(), registry)?;
+    let config = args.config.resolve(registry)?;
     let planner = chosen("planner", &args.planner, planners(), |planner| planner.name)?;
     let jobs = jobs(args)?;
+    let of_one = [("--save", &args.save), ("--journal", &args.journal), ("--resume", &args.resume)];
+    if let (Some((option, _)), true) = (of_one.iter().find(|(_, path)| path.is_some()), jobs.len() > 1) {
+        return Err(UsageError(format!("{option} is for one mission: name it, with one --seed")).into());
+    }
     let read: Vec<PathBuf> = args.plan.iter().chain(&args.config.config).chain(&args.resume).cloned().collect();
     let written: Vec<&Path> = args.json.iter().chain(&args.save).chain(&args.journal).map(PathBuf::as_path).collect();
-    outputs::refuse(&written, &read)?;
+    files::refuse(&written, &read)?;
     let stop = stop_on_interrupt()?;
     let mut json = args.json.as_deref().map(|path| Document::create(path, &read, Keep::ThroughKill)).transpose()?;
     let fleet = Fleet { config: &config, registry, planner: *planner, stop: &stop };
@@ -75,52 +83,26 @@ pub(crate) fn explore(args: &ExploreArgs, registry: &Registry) -> anyhow::Result
     Ok(diagnostics.outcome())
 }
 
-/// One mission to fly.
-struct Job {
-    name: String,
-    seed: u64,
-    place: Place,
-}
-
-impl Job {
-    fn world(&self) -> World {
-        match &self.place {
-            Place::Family(family) => (family.world)(self.seed),
-            Place::Plan(world) => World::clone(world),
-        }
-    }
-}
-
-/// Where a mission is flown.
-enum Place {
-    Family(&'static Family),
-    Plan(Box<World>),
-}
+/// Selects every mission.
+const ALL: &str = "all";
 
 fn jobs(args: &ExploreArgs) -> anyhow::Result<Vec<Job>> {
-    let seeds = || (0..args.count.get() as u64).map(|number| args.seed.wrapping_add(number));
     if let Some(path) = &args.plan {
-        let in_plan = |error: &dyn std::fmt::Display| UsageError(format!("{}: {error}", path.display()));
-        let text = text_file::read(path).map_err(|error| in_plan(&error))?;
-        let plan = Plan::from_json(&text).map_err(|error| in_plan(&error))?;
-        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        return seeds()
-            .map(|seed| {
-                let world = plan.world(seed).map_err(|error| in_plan(&error))?;
-                Ok(Job { name: name.clone(), seed, place: Place::Plan(Box::new(world)) })
-            })
-            .collect();
+        let name = path.file_stem().unwrap_or_default().to_string_lossy();
+        let job = |(seed, world)| Job { name: name.clone().into_owned(), seed, place: Place::Plan(Box::new(world)) };
+        let of_seed = |plan: &Plan, seed| plan.world(seed).map(|world| job((seed, world)));
+        return Ok(of_plan(path, |plan| args.seed.clone().map(|seed| of_seed(&plan, seed)).collect())?);
     }
     let chosen: Vec<&Family> = match &args.mission {
+        Some(name) if name == ALL => families().iter().collect(),
         Some(name) => vec![chosen("mission", name, families(), |family| family.name)?],
-        None if args.all => families().iter().collect(),
         None => {
-            let usage = "name a mission, --plan PLAN.json or --all; --list shows the missions";
+            let usage = "name a mission, `all` of them, or --plan PLAN.json; --list shows the missions";
             return Err(UsageError(usage.to_owned()).into());
         }
     };
     let of_family = |family: &'static Family| {
-        seeds().map(move |seed| Job { name: family.name.to_owned(), seed, place: Place::Family(family) })
+        args.seed.clone().map(move |seed| Job { name: family.name.to_owned(), seed, place: Place::Family(family) })
     };
     Ok(chosen.into_iter().flat_map(of_family).collect())
 }
@@ -146,7 +128,10 @@ impl Fleet<'_> {
         let about = About::new(&job.name, job.seed, &world, &self.planner, self.config);
         let past =
             args.resume.as_deref().map(|path| about.past(path)).transpose().map_err(refused)?.unwrap_or_default();
-        let mut saved = Saved::open(args, &job.name, self.config, &world, diagnostics)?;
+        #[cfg(feature = "rerun")]
+        let mut saved = Saved::open(args, &job.name, self.config, &world, diagnostics);
+        #[cfg(not(feature = "rerun"))]
+        let mut saved = if args.save.is_some() { return Err(crate::gate::without_rerun()) } else { None::<Saved> };
         let mut journal = args.journal.as_deref().map(|path| Journal::create(path, &about)).transpose()?;
         let flown = self.fly(&world, job.seed, &past, bar, &mut |moment| {
             if let Some(journal) = &mut journal {
@@ -215,21 +200,8 @@ fn refused(error: ResumeError) -> anyhow::Error {
     }
 }
 
-/// The entry of a name, or what there is and the nearest name.
-fn chosen<T>(
-    what: &str,
-    name: &str,
-    list: &'static [T],
-    name_of: fn(&T) -> &'static str,
-) -> Result<&'static T, UsageError> {
-    list.iter().find(|entry| name_of(entry) == name).ok_or_else(|| {
-        let all: Vec<&str> = list.iter().map(name_of).collect();
-        UsageError(format!("there is no {what} {name:?}; {}", nearest_and_all(name, &all)))
-    })
-}
-
 fn list() -> anyhow::Result<Outcome> {
-    let mut text = String::from("missions, a different world for each seed:\n");
+    let mut text = String::from("missions, a different world for each seed (`all`: every one of them):\n");
     for family in families() {
         text += &format!("  {:<18}{}\n", family.name, family.doc);
     }

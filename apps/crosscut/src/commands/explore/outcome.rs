@@ -4,8 +4,8 @@ use crosscut_missions::Flown;
 use crosscut_stage::counted;
 use serde_json::{Value, json};
 
-use super::Job;
-use crate::maps;
+use super::job::Job;
+use crate::output::maps;
 
 /// The outcome with the map.
 pub(super) fn whole(job: &Job, flown: &Flown) -> Value {

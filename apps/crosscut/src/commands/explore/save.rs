@@ -8,10 +8,10 @@ use crosscut_simulator::World;
 use crosscut_stage::ObserverError;
 use nalgebra::{Isometry2, Point2};
 
+use super::args::ExploreArgs;
 use super::outcome;
-use crate::cli::explore::ExploreArgs;
 use crate::diagnostics::Diagnostics;
-use crate::observers;
+use crate::output::observers;
 
 /// The map is drawn anew after this many revolutions: it costs more than all else.
 const MAP_EVERY: u64 = 20;
@@ -24,23 +24,22 @@ pub(super) struct Saved {
 }
 
 impl Saved {
-    /// The recording of a mission, if one is requested. If it cannot be opened, the mission is flown without it; it fails
-    /// in a program without Rerun alone.
+    /// The recording of a mission, if one is requested. If it cannot be opened, the mission is flown without it.
     pub(super) fn open(
         args: &ExploreArgs,
         name: &str,
         config: &Config,
         world: &World,
         diagnostics: &mut Diagnostics,
-    ) -> anyhow::Result<Option<Self>> {
+    ) -> Option<Self> {
         let options = RecorderOptions {
             path: args.save.clone(),
-            source: format!("mission {name}, seed {}, preset {}", args.seed, args.config.preset()),
+            source: format!("mission {name}, seed {}, preset {}", args.seed.start(), args.config.preset()),
             ..observers::recorder_options(name.to_owned(), config)
         };
         let created = args.save.is_some().then(|| Self::create(options, world)).transpose();
         diagnostics.lost_all(created.as_ref().err());
-        Ok(created.unwrap_or_default())
+        created.unwrap_or_default()
     }
 
     fn create(options: RecorderOptions, world: &World) -> Result<Self, RecorderError> {

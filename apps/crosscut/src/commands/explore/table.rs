@@ -3,8 +3,8 @@
 use crosscut_evaluate::tables::Table;
 use crosscut_missions::Flown;
 
-use super::Job;
-use crate::typeset::plain;
+use super::job::Job;
+use crate::output::typeset::plain;
 
 /// The table.
 pub(super) fn table(missions: &[(&Job, &Flown)]) -> String {

@@ -4,6 +4,10 @@ mod course;
 mod page;
 mod places;
 
+use std::path::PathBuf;
+
+use clap::Args;
+use clap::builder::{PathBufValueParser, TypedValueParser as _};
 use crosscut_detector::Registry;
 use crosscut_evaluate::Evaluation;
 use crosscut_flight::{MapDrawing, Mapper, NoPlace};
@@ -12,15 +16,32 @@ use crosscut_stage::Frame;
 
 use self::course::Course;
 use self::places::Places;
-use crate::cli::ReportArgs;
 use crate::diagnostics::Diagnostics;
 use crate::exit::Outcome;
-use crate::fly::{Flight, How, Judged, files_read, fly};
+use crate::fly::{How, fly};
+use crate::input::{ConfigArgs, Flight, InputArgs, Judged, files_read};
 use crate::interrupt::stop_on_interrupt;
-use crate::looking::Look;
-use crate::outputs::Document;
-use crate::progress;
-use crate::say::say;
+use crate::output::{Document, Look, progress, say};
+use crate::values::has_extension;
+
+#[derive(Debug, Args)]
+pub(crate) struct ReportArgs {
+    #[command(flatten)]
+    input: InputArgs,
+    #[command(flatten)]
+    config: ConfigArgs,
+    /// The page. It needs no other file and no network.
+    #[arg(short, long, value_name = "FILE.html", value_parser = PathBufValueParser::new().try_map(html_path))]
+    out: PathBuf,
+    /// Show no progress bar and no summary.
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+fn html_path(path: PathBuf) -> Result<PathBuf, &'static str> {
+    let is_html = has_extension(&path, "html") || has_extension(&path, "htm");
+    if is_html { Ok(path) } else { Err("the page is an HTML file: FILE.html") }
+}
 
 /// What the page shows of the revolutions of a flight.
 #[derive(Default)]

@@ -8,10 +8,10 @@ use crosscut_stage::{SURE, counted};
 
 use super::Shown;
 use crate::fly::Flown;
-use crate::looking::Look;
-use crate::map_picture::{Drawing, NARROW_PX};
-use crate::summary::{counts, notes, times};
-use crate::typeset::{escaped, html as table};
+use crate::output::Look;
+use crate::output::map_picture::{Drawing, NARROW_PX};
+use crate::output::summary::{counts, notes, times};
+use crate::output::typeset::{escaped, html as table};
 
 const STYLE: &str = include_str!("style.css");
 

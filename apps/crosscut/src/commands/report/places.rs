@@ -7,8 +7,8 @@ use crosscut_evaluate::panel::{Panel, sheet};
 use crosscut_flight::{FlightAnswer, Here, HereKind, Map, Steady};
 use crosscut_stage::{Frame, counted, junction_of};
 
-use crate::looking::Look;
-use crate::typeset::escaped;
+use crate::output::Look;
+use crate::output::typeset::escaped;
 
 /// At most this many places are shown.
 const MOST_PLACES: usize = 60;

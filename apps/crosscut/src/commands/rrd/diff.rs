@@ -5,8 +5,8 @@ use std::io::Write;
 use comfy_table::{Table, presets};
 use crosscut_rrd::{Differences, ReadError, Recording, differences};
 
+use super::args::RrdDiffArgs;
 use super::{open, say_damages};
-use crate::cli::rrd::RrdDiffArgs;
 use crate::exit::{Outcome, UsageError, is_closed_pipe};
 
 /// Prints the first difference and a table of all. Exit codes as of diff(1): 0 the same, 1 different, 2 trouble; and 3

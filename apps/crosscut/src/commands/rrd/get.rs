@@ -7,28 +7,31 @@ use crosscut_detector::Registry;
 use crosscut_rrd::{ReadError, Recording, Rows, Value, is_picture, schema};
 use crosscut_stage::counted;
 
+use super::args::RrdGetArgs;
 use super::exact::{self, Recomputation};
 use super::output::Output;
 use super::selection::Selection;
 use super::{open, say_damages};
-use crate::cli::rrd::RrdGetArgs;
 use crate::exit::{Outcome, UsageError};
-use crate::fly::refuse_empty_span;
-use crate::outputs;
-use crate::say::say;
+use crate::input::refuse_empty_span;
+use crate::output::{files, say};
 
 /// Writes the values that were asked for. The exit code is 3 if the recording is damaged, or recomputed values disagree
 /// with it.
 pub(super) fn get(args: &RrdGetArgs, registry: &Registry) -> anyhow::Result<Outcome> {
     refuse_empty_span(args.from, args.to)?;
-    outputs::refuse(&[&args.out], std::slice::from_ref(&args.recording))?;
+    files::refuse(&[&args.out], std::slice::from_ref(&args.recording))?;
     let recording = open(&args.recording, args.id.as_deref())?;
     let selection = Selection::new(args, &recording)?;
-    let entity = format!("/{}", args.entity.trim_start_matches('/'));
+    let (entity, component) = args.entity.split_once(':').map_or((&*args.entity, None), |(of, name)| (of, Some(name)));
+    let entity = format!("/{}", entity.trim_start_matches('/'));
     let (output, lost) = if args.exact {
+        if let Some(component) = component {
+            return Err(UsageError(format!("--exact recomputes the numbers of {entity}; leave out {component}")).into());
+        }
         recompute(args, &recording, &entity, &selection, registry)?
     } else {
-        (copy(args, &recording, &entity, &selection)?, Vec::new())
+        (copy(args, &recording, (&entity, component), &selection)?, Vec::new())
     };
     if output.values == 0 {
         let revolutions = recording.entities().get(&entity).and_then(|entity| entity.revolutions);
@@ -45,9 +48,14 @@ pub(super) fn get(args: &RrdGetArgs, registry: &Registry) -> anyhow::Result<Outc
 }
 
 /// Recorded values. A value of the whole flight is written once, without a revolution.
-fn copy(args: &RrdGetArgs, recording: &Recording, entity: &str, selection: &Selection) -> anyhow::Result<Output> {
+fn copy(
+    args: &RrdGetArgs,
+    recording: &Recording,
+    (entity, asked): (&str, Option<&str>),
+    selection: &Selection,
+) -> anyhow::Result<Output> {
     let rows = rows(recording, entity)?;
-    let component = component(args, recording, entity)?;
+    let component = component(recording, entity, asked)?;
     if let Some(value) = recording.value_throughout(entity, &component)? {
         let mut output = Output::create(&args.out, true)?;
         output.add(None, &value)?;
@@ -120,13 +128,13 @@ fn rows<'a>(recording: &'a Recording, entity: &str) -> anyhow::Result<Rows<'a>> 
 }
 
 /// The component asked for, or the one with the values.
-fn component(args: &RrdGetArgs, recording: &Recording, entity: &str) -> Result<String, UsageError> {
+fn component(recording: &Recording, entity: &str, asked: Option<&str>) -> Result<String, UsageError> {
     let components = &recording.entities()[entity].components;
     let known = || components.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
-    let chosen = match &args.component {
-        Some(name) => components.contains_key(name).then_some(name.as_str()),
+    let chosen = match asked {
+        Some(name) => components.contains_key(name).then_some(name),
         None => recording.values_component(entity),
     };
-    let asked = args.component.as_deref().unwrap_or("component");
+    let asked = asked.unwrap_or("component");
     chosen.map(str::to_owned).ok_or_else(|| UsageError(format!("{entity} has no {asked}; it has {}", known())))
 }

@@ -3,12 +3,13 @@
 use std::io::Write;
 
 use anyhow::Context;
-use comfy_table::{Cell, CellAlignment, Table, presets};
+use crosscut_evaluate::tables::Table;
 use crosscut_rrd::{ReadError, RecordedEntity, Recording};
 
+use super::args::RrdLsArgs;
 use super::{open, say_damages};
-use crate::cli::rrd::RrdLsArgs;
-use crate::exit::Outcome;
+use crate::exit::{Outcome, UsageError};
+use crate::output::typeset::plain;
 
 /// Prints the content of a recording, or of each that the file holds. The exit code is 3 if one is damaged.
 pub(super) fn ls(args: &RrdLsArgs) -> anyhow::Result<Outcome> {
@@ -25,7 +26,11 @@ pub(super) fn ls(args: &RrdLsArgs) -> anyhow::Result<Outcome> {
 }
 
 fn list(args: &RrdLsArgs, recording: &Recording) -> anyhow::Result<Outcome> {
-    let mut text = heading(recording) + "\n\n" + &entities(recording, args.components) + "\n";
+    let entity = args.entity.as_ref().map(|entity| format!("/{}", entity.trim_start_matches('/')));
+    if let Some(entity) = &entity {
+        recording.rows(entity).map_err(|error| UsageError(error.to_string()))?; // which names those that there are
+    }
+    let mut text = heading(recording) + "\n\n" + &plain(&entities(recording, entity.as_deref())) + "\n";
     if args.config {
         text += &format!("\n{}", recording.config_toml().unwrap_or_else(|| "# no /config\n".to_owned()));
     }
@@ -60,29 +65,21 @@ fn maker(recording: &Recording) -> String {
     line.map_or_else(|| "an unnamed program".to_owned(), |version| format!("crosscut {version}"))
 }
 
-/// A line for each entity with the component that holds its values, or a line for each component.
-fn entities(recording: &Recording, components: bool) -> String {
-    let mut table = Table::new();
-    table.load_preset(presets::NOTHING).set_header(["entity", "rows", "revolutions", "kB", "component", "the first"]);
-    let right = |text: String| Cell::new(text).set_alignment(CellAlignment::Right);
-    for (path, entity) in recording.entities() {
+/// A line for each entity with the component that holds its values, or one for each component of `only`.
+fn entities(recording: &Recording, only: Option<&str>) -> Table {
+    let mut rows = Vec::new();
+    for (path, entity) in recording.entities().iter().filter(|(path, _)| only.is_none_or(|only| only == *path)) {
         let range = entity.revolutions.map_or_else(|| "all".to_owned(), |[first, last]| format!("{first}..{last}"));
         let kilobytes = format!("{:.1}", entity.bytes as f64 / 1e3);
         let mut start = [path.clone(), range, kilobytes];
-        let shown = |name: &&String| components || recording.values_component(path) == Some(name.as_str());
+        let shown = |name: &&String| only.is_some() || recording.values_component(path) == Some(name.as_str());
         for name in entity.components.keys().filter(shown) {
             let component = &entity.components[name];
             let [path, range, kilobytes] = std::mem::take(&mut start);
-            let rows = right(component.rows.to_string());
-            table.add_row([
-                path.into(),
-                rows,
-                right(range),
-                right(kilobytes),
-                name.into(),
-                Cell::new(&component.first),
-            ]);
+            let of_component = [component.rows.to_string(), range, kilobytes, name.clone(), component.first.clone()];
+            rows.push([path].into_iter().chain(of_component).collect());
         }
     }
-    table.trim_fmt()
+    let header = ["entity", "rows", "revolutions", "kB", "component", "the first"].map(str::to_owned).to_vec();
+    Table { title: String::new(), header, rows }
 }

@@ -1,5 +1,6 @@
 //! `crosscut rrd`: the content of a recording, its values as files, and two recordings compared.
 
+mod args;
 mod diff;
 mod exact;
 mod get;
@@ -14,9 +15,9 @@ use std::path::Path;
 use crosscut_detector::Registry;
 use crosscut_rrd::{Damage, ReadError, Recording};
 
-use crate::cli::rrd::RrdCommand;
+pub(crate) use self::args::RrdCommand;
 use crate::exit::{Outcome, UsageError};
-use crate::say::say;
+use crate::output::say;
 
 /// Lists, exports or compares.
 pub(crate) fn rrd(command: &RrdCommand, registry: &Registry) -> anyhow::Result<Outcome> {

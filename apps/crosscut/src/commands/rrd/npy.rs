@@ -30,7 +30,7 @@ impl NpyFile {
         let each = (descr(&array.numbers), array.shape.clone());
         let first = self.each.get_or_insert_with(|| each.clone());
         if *first != each || (self.one && self.count > 0) {
-            let text = "its array differs in shape from the one before: take one with --revolution, or .csv";
+            let text = "its array differs in shape from the one before: take one with --at, or .csv";
             bail!(UsageError(format!("{text} ({:?} and {:?})", first.1, each.1)));
         }
         self.count += 1;

@@ -99,15 +99,15 @@ impl Format {
                 other => bail!(UsageError(format!("{other} is no array of numbers: take .csv"))),
             },
             Self::Csv { file, columns } => {
-                let rows = table::rows(revolution, stamp_ns, value)?;
+                let names = table::columns(value)?;
                 if *columns == 0 {
-                    table::write_csv_header(file, &rows)?;
-                    *columns = rows.num_columns();
+                    table::write_csv_header(file, &names)?;
+                    *columns = names.len();
                 }
-                if rows.num_columns() != *columns {
-                    bail!(UsageError("its dimensions differ from those before: take one with --revolution".to_owned()));
+                if names.len() != *columns {
+                    bail!(UsageError("its dimensions differ from those before: take one with --at".to_owned()));
                 }
-                Ok(table::write_csv(file, &rows)?)
+                Ok(table::write_csv(file, [revolution, stamp_ns], value)?)
             }
             Self::Markdown { out, one } => match value {
                 Value::Texts(texts) => {

@@ -2,10 +2,10 @@
 
 use crosscut_rrd::{Recording, Row, schema};
 
-use crate::cli::rrd::RrdGetArgs;
+use super::args::RrdGetArgs;
 use crate::exit::UsageError;
 
-const NO_STAMPS: &str = "the recording has no stamps, which --from and --to need; take --revolution N";
+const NO_STAMPS: &str = "the recording has no stamps, which --from and --to need; take --at REVOLUTION";
 
 /// One revolution, a span of time, or all.
 pub(super) struct Selection {
@@ -17,7 +17,7 @@ pub(super) struct Selection {
 impl Selection {
     /// Seconds count from the stamp of the first revolution, which need not be the earliest if a clock was set back.
     pub(super) fn new(args: &RrdGetArgs, recording: &Recording) -> Result<Self, UsageError> {
-        let mut selection = Self { revolution: args.revolution, from_ns: None, to_ns: None };
+        let mut selection = Self { revolution: args.at.map(u64::cast_signed), from_ns: None, to_ns: None };
         if args.from.is_some() || args.to.is_some() {
             let mut rows = recording.rows(schema::REPORT_JUNCTIONS.path).into_iter().flatten();
             let start_ns = rows.find_map(|row| row.ok()?.stamp_ns);

@@ -1,86 +1,56 @@
 //! A value as rows of a table: one row for each of its numbers or texts, with its indices.
 
 use std::io::{self, Write};
-use std::iter::repeat_n;
-use std::sync::Arc;
 
 use anyhow::bail;
-use crosscut_rrd::arrow::array::{
-    Array as _, ArrayRef, AsArray as _, Float32Array, Float64Array, Int64Array, RecordBatch, StringArray,
-};
-use crosscut_rrd::arrow::compute::concat;
-use crosscut_rrd::arrow::datatypes::{DataType, Field, Float32Type, Float64Type, Int64Type, Schema};
 use crosscut_rrd::{Array, Numbers, Value};
 
-use crate::typeset::csv_field;
+use crate::output::typeset::csv_field;
 
-/// The columns `revolution`, `stamp_ns`, one for each index, and `value`. That of revolutions or stamps is empty for a
-/// value without one.
-pub(super) fn rows(revolution: Option<i64>, stamp_ns: Option<i64>, value: &Value) -> anyhow::Result<RecordBatch> {
-    let (dims, parts): (Vec<&str>, Vec<(Vec<usize>, ArrayRef)>) = match value {
-        Value::Numbers(array) => (array.dims.iter().map(String::as_str).collect(), vec![shape_and_numbers(array)]),
-        Value::Lists(lists) => (vec!["list", "item", "axis"], lists.iter().map(shape_and_numbers).collect()),
-        Value::Texts(texts) => {
-            (vec!["item"], vec![(vec![texts.len()], Arc::new(StringArray::from_iter_values(texts)) as ArrayRef)])
-        }
+/// The names of the columns: `revolution`, `stamp_ns`, one for each index, and `value`.
+pub(super) fn columns(value: &Value) -> anyhow::Result<Vec<&str>> {
+    let dims: Vec<&str> = match value {
+        Value::Numbers(array) => array.dims.iter().map(String::as_str).collect(),
+        Value::Lists(_) => vec!["list", "item", "axis"],
+        Value::Texts(_) => vec!["item"],
         other => bail!("{other} cannot be written as a table"),
     };
-    let mut indices = vec![Vec::new(); dims.len()];
-    for (list, (shape, values)) in parts.iter().enumerate() {
-        let (of_list, of_dims) = indices.split_at_mut(usize::from(matches!(value, Value::Lists(_))));
-        of_list.iter_mut().for_each(|column| column.extend(repeat_n(list as i64, values.len())));
-        for (dim, (column, &size)) in of_dims.iter_mut().zip(shape).enumerate() {
-            let inner: usize = shape[dim + 1..].iter().product();
-            column.extend((0..values.len()).map(|at| (at / inner % size) as i64));
-        }
-    }
-    let values = match parts.as_slice() {
-        [] => Arc::new(Float32Array::from(Vec::<f32>::new())),
-        parts => concat(&parts.iter().map(|(_, values)| values.as_ref()).collect::<Vec<_>>())?,
-    };
-    let same = |of_all: Option<i64>| Arc::new(Int64Array::from(vec![of_all; values.len()])) as ArrayRef;
-    let mut columns = vec![same(revolution), same(stamp_ns)];
-    columns.extend(indices.into_iter().map(|column| Arc::new(Int64Array::from(column)) as ArrayRef));
-    columns.push(values);
-    let names = ["revolution", "stamp_ns"].into_iter().chain(dims).chain(["value"]);
-    let is_empty = [revolution.is_none(), stamp_ns.is_none()].into_iter().chain(std::iter::repeat(false));
-    let fields = names
-        .zip(&columns)
-        .zip(is_empty)
-        .map(|((name, column), is_empty)| Field::new(name, column.data_type().clone(), is_empty));
-    Ok(RecordBatch::try_new(Arc::new(Schema::new(fields.collect::<Vec<_>>())), columns)?)
-}
-
-fn shape_and_numbers(array: &Array) -> (Vec<usize>, ArrayRef) {
-    let numbers: ArrayRef = match &array.numbers {
-        Numbers::F64(values) => Arc::new(Float64Array::from(values.clone())),
-        Numbers::F32(values) => Arc::new(Float32Array::from(values.clone())),
-        Numbers::I64(values) => Arc::new(Int64Array::from(values.clone())),
-    };
-    (array.shape.clone(), numbers)
+    Ok(["revolution", "stamp_ns"].into_iter().chain(dims).chain(["value"]).collect())
 }
 
 /// The first line of a CSV file: the names of the columns.
-pub(super) fn write_csv_header(out: &mut impl Write, rows: &RecordBatch) -> io::Result<()> {
-    let names: Vec<_> = rows.schema_ref().fields().iter().map(|field| csv_field(field.name())).collect();
-    writeln!(out, "{}", names.join(","))
+pub(super) fn write_csv_header(out: &mut impl Write, columns: &[&str]) -> io::Result<()> {
+    writeln!(out, "{}", columns.iter().map(|name| csv_field(name)).collect::<Vec<_>>().join(","))
 }
 
-/// The rows as lines of CSV. A number is the shortest text that reads back as the same number.
-pub(super) fn write_csv(out: &mut impl Write, rows: &RecordBatch) -> io::Result<()> {
-    let Some((values, indices)) = rows.columns().split_last() else { return Ok(()) };
-    for row in 0..rows.num_rows() {
-        for column in indices {
-            if column.is_valid(row) {
-                write!(out, "{}", column.as_primitive::<Int64Type>().value(row))?;
-            }
-            out.write_all(b",")?;
+/// The rows as lines of CSV; revolution and stamp are empty for a value without one.
+pub(super) fn write_csv(out: &mut impl Write, of: [Option<i64>; 2], value: &Value) -> io::Result<()> {
+    let of = of.map(|number| number.map_or_else(String::new, |number| number.to_string())).join(",");
+    match value {
+        Value::Numbers(array) => write_numbers(out, &of, array),
+        Value::Lists(lists) => {
+            lists.iter().enumerate().try_for_each(|(at, list)| write_numbers(out, &format!("{of},{at}"), list))
         }
-        match values.data_type() {
-            DataType::Float64 => writeln!(out, "{:?}", values.as_primitive::<Float64Type>().value(row)),
-            DataType::Float32 => writeln!(out, "{:?}", values.as_primitive::<Float32Type>().value(row)),
-            DataType::Int64 => writeln!(out, "{}", values.as_primitive::<Int64Type>().value(row)),
-            _ => writeln!(out, "{}", csv_field(values.as_string::<i32>().value(row))),
+        Value::Texts(texts) => {
+            texts.iter().enumerate().try_for_each(|(at, text)| writeln!(out, "{of},{at},{}", csv_field(text)))
+        }
+        _ => Ok(()), // which has no columns
+    }
+}
+
+/// A number is the shortest text that reads back as the same number.
+fn write_numbers(out: &mut impl Write, of: &str, array: &Array) -> io::Result<()> {
+    for at in 0..array.numbers.len() {
+        out.write_all(of.as_bytes())?;
+        let mut inner: usize = array.shape.iter().product();
+        for size in &array.shape {
+            inner /= size;
+            write!(out, ",{}", at / inner % size)?;
+        }
+        match &array.numbers {
+            Numbers::F64(values) => writeln!(out, ",{:?}", values[at]),
+            Numbers::F32(values) => writeln!(out, ",{:?}", values[at]),
+            Numbers::I64(values) => writeln!(out, ",{}", values[at]),
         }?;
     }
     Ok(())
@@ -91,9 +61,9 @@ mod tests {
     use super::*;
 
     fn csv(revolution: Option<i64>, stamp_ns: Option<i64>, value: &Value) -> String {
-        let (mut csv, rows) = (Vec::new(), rows(revolution, stamp_ns, value).unwrap());
-        write_csv_header(&mut csv, &rows).unwrap();
-        write_csv(&mut csv, &rows).unwrap();
+        let mut csv = Vec::new();
+        write_csv_header(&mut csv, &columns(value).unwrap()).unwrap();
+        write_csv(&mut csv, [revolution, stamp_ns], value).unwrap();
         String::from_utf8(csv).unwrap()
     }
 

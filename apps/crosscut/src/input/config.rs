@@ -1,0 +1,109 @@
+//! The configuration of every command.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use crosscut_detector::{Config, Layer, Preset, Registry};
+
+use crate::exit::UsageError;
+use crate::input::text_file;
+
+/// The heading of what configures.
+pub(crate) const CONFIGURATION: &str = "Configuration";
+
+#[derive(Debug, Args)]
+pub(crate) struct ConfigArgs {
+    /// Settings to start from: paper, default, or one of the baselines clear_width, threshold, breakpoint.
+    /// [default: default]
+    #[arg(long, help_heading = CONFIGURATION)]
+    pub(crate) preset: Option<String>,
+    /// Settings that override the preset and crosscut.toml: a TOML file, or a recording made with `run --save` to use its
+    /// settings. (crosscut.toml is looked for in this folder and those above it, unless $CROSSCUT_CONFIG names a file.)
+    #[arg(long, help_heading = CONFIGURATION, value_name = "FILE.toml|FLIGHT.rrd")]
+    pub(crate) config: Option<PathBuf>,
+    /// Single setting that overrides the files, such as vehicle.width_m=0.8. May be repeated.
+    #[arg(long, help_heading = CONFIGURATION, value_name = "SECTION.KEY=VALUE")]
+    pub(crate) set: Vec<String>,
+}
+
+/// Settings of a folder and all below it.
+const FILE_NAME: &str = "crosscut.toml";
+/// Names a file of settings in place of [`FILE_NAME`].
+const VARIABLE: &str = "CROSSCUT_CONFIG";
+
+/// Resolves the layers preset < the file that is found < `file` < single settings; messages name the option of the settings.
+pub(crate) fn resolve(
+    preset: &str,
+    file: Option<&Path>,
+    settings: &[(&str, &[String])],
+    registry: &Registry,
+) -> Result<Config, UsageError> {
+    Config::resolve(registry, &layers(preset, file, settings)?).map_err(usage)
+}
+
+/// The layers of settings before they are resolved.
+pub(crate) fn layers(
+    preset: &str,
+    file: Option<&Path>,
+    settings: &[(&str, &[String])],
+) -> Result<Vec<Layer>, UsageError> {
+    let mut layers = vec![Preset::named(preset).map_err(usage)?.into()];
+    for path in found().as_deref().into_iter().chain(file) {
+        layers.push(Layer::file(path, &settings_in(path)?).map_err(usage)?);
+    }
+    for (option, settings) in settings {
+        layers.push(Layer::settings(option, settings).map_err(usage)?);
+    }
+    Ok(layers)
+}
+
+/// The file that every configuration starts with: the one that the environment names, or the nearest of its name in this folder
+/// and those above it.
+pub(crate) fn found() -> Option<PathBuf> {
+    if let Some(named) = std::env::var_os(VARIABLE) {
+        return if named.is_empty() { None } else { Some(named.into()) };
+    }
+    let folder = std::env::current_dir().ok()?;
+    folder.ancestors().map(|folder| folder.join(FILE_NAME)).find(|file| file.is_file())
+}
+
+impl ConfigArgs {
+    /// The preset, whether it was given or not.
+    pub(crate) fn preset(&self) -> &str {
+        self.preset.as_deref().unwrap_or("default")
+    }
+
+    pub(crate) fn resolve(&self, registry: &Registry) -> Result<Config, UsageError> {
+        resolve(self.preset(), self.config.as_deref(), &[("--set", &self.set)], registry)
+    }
+}
+
+/// The text of a TOML file, or the settings stored in a recording.
+fn settings_in(path: &Path) -> Result<String, UsageError> {
+    if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("rrd")) {
+        return settings_in_recording(path);
+    }
+    text_file::read(path).map_err(|error| match error.kind() {
+        io::ErrorKind::InvalidData => usage(format!(
+            "not UTF-8 text; settings are read from a TOML file or a recording (.rrd): {}",
+            path.display()
+        )),
+        _ => usage(format!("{}: {error}", path.display())),
+    })
+}
+
+#[cfg(feature = "rerun")]
+fn settings_in_recording(path: &Path) -> Result<String, UsageError> {
+    let recording = crosscut_rrd::Recording::open(path).map_err(usage)?;
+    recording.config_toml().ok_or_else(|| usage(format!("the recording has no /config: {}", path.display())))
+}
+
+#[cfg(not(feature = "rerun"))]
+fn settings_in_recording(path: &Path) -> Result<String, UsageError> {
+    Err(usage(format!("{}: {}", path.display(), crate::gate::without_rerun())))
+}
+
+fn usage(error: impl ToString) -> UsageError {
+    UsageError(error.to_string())
+}
