@@ -89,7 +89,7 @@ impl Grounds {
     }
 
     /// The grounds of an answer, from the outline of its walls that are no islands; `None` without one.
-    fn on(
+    pub(crate) fn on(
         outline: &Outline,
         revolution: &Revolution,
         verdicts: &[Verdict],
@@ -152,6 +152,11 @@ impl Grounds {
             (self.apart_rad.min(APART_RAD), (self.longest_island_m / vehicle_width_m).min(MOST_ISLAND));
         [1.0, (odds / (1.0 - odds)).ln(), opening, gap, apart, island, margin]
     }
+
+    /// β·x, for a vehicle of this width: the log odds of a right answer.
+    pub(crate) fn log_odds(&self, vehicle_width_m: f64) -> f64 {
+        BETA.iter().zip(self.inputs(vehicle_width_m)).map(|(beta, x)| beta * x).sum()
+    }
 }
 
 /// The length of the longest island, from end to end.
@@ -167,24 +172,6 @@ fn apart_rad(mut bearings_rad: Vec<f64>) -> f64 {
     let next = bearings_rad.iter().cycle().skip(1);
     let apart = bearings_rad.iter().zip(next).map(|(a, b)| wrap_angle_rad(b - a).abs());
     if bearings_rad.len() < 2 { std::f64::consts::PI } else { apart.fold(std::f64::consts::PI, f64::min) }
-}
-
-/// The share of right answers among those on such grounds; 0 without any. `outline` holds the walls that are no
-/// islands, and [`remains`] is given.
-pub(crate) fn of_scene(
-    revolution: &Revolution,
-    verdicts: &[Verdict],
-    outline: &Outline,
-    remains: f64,
-    vehicle_width_m: f64,
-    margin_decades: Option<f64>,
-    answer: &Junction,
-) -> f64 {
-    let grounds = Grounds::on(outline, revolution, verdicts, vehicle_width_m, margin_decades, answer);
-    grounds.map_or(0.0, |grounds| {
-        let logit: f64 = BETA.iter().zip(grounds.inputs(vehicle_width_m)).map(|(beta, x)| beta * x).sum();
-        remains / (1.0 + (-logit).exp())
-    })
 }
 
 /// What remains of the share of right answers where returns are this far apart, and if a gap in a wall could be a doorway.
@@ -204,7 +191,7 @@ pub(crate) fn of_smallest_wall(walls: &[Wall]) -> f64 {
 pub(crate) fn spacing_rad(outline: &Outline, openings: &[Opening]) -> f64 {
     let ring = &outline.ring;
     let [mut beams, mut spacings] = [0, 0];
-    for [from, to] in outline.pairs().filter(|[from, to]| from != to && outline.wall(*from) == outline.wall(*to)) {
+    for [from, to] in outline.pairs_within_walls() {
         let apart = ring.beams_from(from, to);
         if apart == 1 || !is_at_opening([from, to].map(|at| ring.returns[at].number), openings) {
             (beams, spacings) = (beams + apart, spacings + 1);
@@ -269,12 +256,10 @@ mod tests {
     }
 
     #[test]
-    fn an_answer_without_walls_or_without_beams_is_not_sure_at_all() {
+    fn an_answer_without_walls_or_without_beams_has_no_grounds() {
         let cloud = Revolution { points_m: vec![crosscut_stage::Point::origin()], ..Revolution::default() };
-        assert_eq!(
-            of_scene(&Revolution::default(), &[], &Outline::default(), 1.0, 0.6, None, &Junction::default()),
-            0.0
-        );
+        let empty = (Outline::default(), Revolution::default(), Junction::default());
+        assert_eq!(Grounds::on(&empty.0, &empty.1, &[], 0.6, None, &empty.2), None);
         assert_eq!(
             Grounds::of(&cloud, &[], 0.6, None, &Junction { wall_of_return: vec![None], ..Junction::default() }),
             None

@@ -14,8 +14,7 @@ const DARK_SHARE: f64 = 0.5;
 /// The widest gap in the line of a wall that could be a doorway, if there is one.
 pub(crate) fn doorway(outline: &Outline, vehicle_width_m: f64) -> Option<Edge<'_>> {
     let (mut widest, mut widest_beams, mut others) = (None, 0, LostBeams::default());
-    let within_walls = outline.pairs().filter(|[from, to]| from != to && outline.wall(*from) == outline.wall(*to));
-    for pair in within_walls {
+    for pair in outline.pairs_within_walls() {
         let beams = outline.ring.dark_between(pair[0], pair[1]);
         if beams < 2 {
             continue;

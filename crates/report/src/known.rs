@@ -28,22 +28,17 @@ pub(crate) fn mark(verdicts: &[Verdict], outline: &Outline, vehicle_width_m: f64
         gaps.add(opening.known);
     }
     let closed = verdicts.iter().filter(|verdict| !verdict.is_opening);
-    for pair in closed.filter_map(|verdict| places(verdict.returns.map(Some), outline)) {
+    for pair in closed.filter_map(|verdict| outline.places_of(verdict.returns)) {
         let is_proved = is_closed_by_returns(&outline.ring, pair, vehicle_width_m);
         gaps.add(if is_proved { Known::Proved } else { Known::Judged });
     }
     out.gaps = gaps;
 }
 
-fn places([from, to]: [Option<u32>; 2], outline: &Outline) -> Option<[usize; 2]> {
-    Some([outline.place_of(from?)?, outline.place_of(to?)?])
-}
-
 /// The beams that came back with nothing between two neighbouring returns of a wall, where no opening is.
 fn lost_within_walls(outline: &Outline, openings: &[Opening]) -> LostBeams {
     let (ring, mut lost) = (&outline.ring, LostBeams::default());
-    let within_walls = outline.pairs().filter(|[from, to]| from != to && outline.wall(*from) == outline.wall(*to));
-    for [from, to] in within_walls {
+    for [from, to] in outline.pairs_within_walls() {
         let beams = ring.dark_between(from, to);
         let numbers = [from, to].map(|at| ring.returns[at].number);
         if beams > 0 && !openings.iter().any(|opening| opening.shares_end_with(numbers)) {
@@ -63,7 +58,7 @@ fn is_seen_through(edge: &Edge<'_>, lost: LostBeams, vehicle_width_m: f64) -> bo
 
 /// Whether enough neighbouring beams came back with nothing, more than the walls of the scan lose.
 fn lets_beams_pass(edge: &Edge<'_>, lost: LostBeams, vehicle_width_m: f64) -> bool {
-    let (ring, near_m) = (&edge.outline().ring, edge.range_m());
+    let (ring, near_m) = (&edge.outline.ring, edge.range_m());
     let (mut run, mut longest) = (0, 0);
     for beam in edge.between_beams() {
         run = if beam == Beam::NoReturn { run + 1 } else { 0 };

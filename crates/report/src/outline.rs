@@ -69,6 +69,11 @@ impl Outline {
         self.ring.returns.binary_search_by_key(&order(number), |one| order(one.number)).ok()
     }
 
+    /// The places of two returns, if both are of walls.
+    pub(crate) fn places_of(&self, [from, to]: [u32; 2]) -> Option<[usize; 2]> {
+        Some([self.place_of(from)?, self.place_of(to)?])
+    }
+
     /// By this, the returns that follow one anticlockwise are in order. Returns are numbered in message order.
     pub(crate) fn order_from(&self, from: u32, to: u32) -> u32 {
         if self.ring.clockwise { from.wrapping_sub(to) } else { to.wrapping_sub(from) }
@@ -86,6 +91,11 @@ impl Outline {
     pub(crate) fn pairs(&self) -> impl Iterator<Item = [usize; 2]> {
         let pairs = if self.ring.full_turn { self.len() } else { self.len().saturating_sub(1) };
         (0..pairs).map(|at| [at, self.after(at)])
+    }
+
+    /// Each return of a wall with the next one anticlockwise, if that is another one of the same wall.
+    pub(crate) fn pairs_within_walls(&self) -> impl Iterator<Item = [usize; 2]> {
+        self.pairs().filter(|&[from, to]| from != to && self.wall(from) == self.wall(to))
     }
 
     /// The returns of one wall from one of them on, around the whole turn or to the end of a limited view.

@@ -1,5 +1,6 @@
 //! The direction in which a wall ends.
 
+use crate::median;
 use crate::pieces::End;
 use crate::ring::{Position, Ring};
 use crate::roughness::Roughness;
@@ -200,7 +201,7 @@ fn past_scatter_m(ring: &Ring, roughness: &Roughness, piece: &[usize], end: End,
         let (off, squared) = off_chord(k);
         *off_m = off / squared.sqrt().max(f64::MIN_POSITIVE);
     }
-    SCATTERS / MEDIAN_OFF * *offs_m[..count].select_nth_unstable_by(count / 2, f64::total_cmp).1
+    SCATTERS / MEDIAN_OFF * median(&mut offs_m[..count], f64::total_cmp)
 }
 
 /// The unit eigenvector of the larger eigenvalue of a covariance. It halves the angle of (xx - yy, 2 xy).

@@ -73,7 +73,7 @@ impl Roughness {
             take_stretches(wall.iter().rev(), inexact_squared.unwrap_or(0.0), &mut offs_m);
             rest = later;
         }
-        Self { sd_m: median(&mut offs_m), range_error: inexact_squared.map(f64::sqrt) }
+        Self { sd_m: median(&mut offs_m, f64::total_cmp), range_error: inexact_squared.map(f64::sqrt) }
     }
 }
 

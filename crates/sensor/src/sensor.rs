@@ -268,7 +268,8 @@ impl Sensor {
             notes.add(N027, format!("turned by {turned_deg:.1}° during the scan: beams brought to the middle of it"));
         }
         sweep.step_rad = fan.step_rad();
-        sweep.fan = Some(fan.mounted(self.yaw_rad, self.upside_down));
+        let mounted = fan.mounted(self.yaw_rad, self.upside_down);
+        sweep.fan = Some(mounted);
         let missing = fan.missing();
         (sweep.full_turn, sweep.missing) = (missing.is_some(), missing.unwrap_or(0));
         if sweep.missing > 0 {
@@ -276,7 +277,7 @@ impl Sensor {
             notes.add(N022, format!("{beams} short of a full turn: walls are followed across"));
         }
         let mut tally = Tally::default();
-        directions.update(self, fan, scan.ranges.len());
+        directions.update(mounted, scan.ranges.len(), |bearing_rad| self.masks(bearing_rad));
         sweep.bearings_rad.extend_from_slice(&directions.bearings_rad);
         for (&range_m, direction) in scan.ranges.iter().zip(&directions.beams).take(fan.beams_in_turn()) {
             let reading = if direction.is_masked {

@@ -11,6 +11,7 @@
 use crosscut_stage::{Affinity, DisjointSets, Eigenvalues, Kind, Notes, SpectralStage, Spectrum, StageError};
 
 use crate::degrees::{check_degrees, sum_volumes};
+use crate::embedding::make_zero;
 
 /// An edge of a smaller weight is none, as the weak edges of affinity `passage` are, and those of `rbf` over 2.5 m.
 const LEAST_WEIGHT: f64 = 1e-4;
@@ -66,10 +67,10 @@ impl SpectralStage for Components {
         out.eigenvalues.clear();
         out.eigenvalues.resize(out.k, 0.0);
         (out.tolerance, out.margin_decades) = (f64::MIN_POSITIVE, None);
-        out.u.write_rows(degrees.len(), out.k, |i, row| {
-            let component = component_of_return[i];
-            row.push((component, (degrees[i] / volumes[component as usize]).sqrt()));
-        });
+        make_zero(&mut out.u, degrees.len(), out.k);
+        for (i, (degree, &component)) in degrees.iter().zip(component_of_return).enumerate() {
+            out.u[(i, component as usize)] = (degree / volumes[component as usize]).sqrt();
+        }
         Ok(())
     }
 }
@@ -93,8 +94,8 @@ mod tests {
         let mut out = Spectrum::default();
         let mut stage = KIND.with(&[]).expect("no parameters");
         stage.spectrum(&affinity, &mut out, &mut Notes::default()).expect("a sound affinity");
-        let u = out.u.to_dense();
-        assert!((u.transpose() * &u - Mat::<f64>::identity(out.k, out.k)).norm_max() < 1e-15, "UᵀU = I: {u:?}");
+        let u = &out.u;
+        assert!((u.transpose() * u - Mat::<f64>::identity(out.k, out.k)).norm_max() < 1e-15, "UᵀU = I: {u:?}");
         out.k
     }
 

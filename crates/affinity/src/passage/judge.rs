@@ -141,7 +141,7 @@ impl<'s> Judge<'s> {
 
     /// The room ratio between two pieces with directions, if that makes an opening.
     pub(super) fn room_ratio_of_opening(&mut self, a: &[usize], b: &[usize]) -> Option<f64> {
-        let gap = self.gap(a, b)?;
+        let gap = Gap::between(self.context, a, b, self.directions)?;
         let decision = self.rules.decide(&gap);
         decision.is_opening().then_some(decision.room_ratio)
     }
@@ -149,7 +149,7 @@ impl<'s> Judge<'s> {
     /// What makes the gap between two walls an opening, and the least room that there is, or would be if the wall turned
     /// by [`DOUBT_RAD`] less or more. With what its odds rest on, unless a piece has no direction.
     pub(super) fn least_room(&mut self, a: &[usize], b: &[usize]) -> (Decision, Option<Measures>) {
-        let Some(gap) = self.gap(a, b) else {
+        let Some(gap) = Gap::between(self.context, a, b, self.directions) else {
             let reason = "too little is seen for a direction";
             let room_ratio = ROOM_RATIO_WITHOUT_DIRECTION;
             return (Decision { room_ratio, reason, measured: None, ratio_by_rules: room_ratio }, None);
@@ -158,14 +158,6 @@ impl<'s> Judge<'s> {
         let turned = [-DOUBT_RAD, DOUBT_RAD].map(|more_rad| self.rules.decide(&gap.turned_by(more_rad)).room_ratio);
         let least = turned.into_iter().fold(decision.room_ratio, f64::min);
         (Decision { room_ratio: least.max(LEAST_ROOM_RATIO), ..decision }, Some(self.rules.measures(&gap, decision)))
-    }
-
-    /// The gap between two pieces; `None` if one of them has no direction.
-    pub(super) fn gap<'p>(&mut self, a: &'p [usize], b: &'p [usize]) -> Option<Gap<'p>>
-    where
-        's: 'p,
-    {
-        Gap::between(self.context, a, b, self.directions)
     }
 
     /// The directions in which a wall runs at the end of piece `a` and on from the start of piece `b`, if they have

@@ -34,7 +34,7 @@ pub(crate) struct WallEnd {
 
 /// Two returns of walls, and the beams between them, anticlockwise.
 pub(crate) struct Edge<'a> {
-    pub(super) outline: &'a Outline,
+    pub(crate) outline: &'a Outline,
     pub(super) clockwise: WallEnd,
     pub(super) anticlockwise: WallEnd,
 }
@@ -166,10 +166,6 @@ impl<'a> Edge<'a> {
         let (before, after) = (before?, after?);
         let leads_away = before.dot(&after).abs() < BRANCH_COS;
         leads_away.then(|| Clearance::at(to_m - from_m, [before, -after], self.by_range()[0].is_clockwise))
-    }
-
-    pub(crate) fn outline(&self) -> &'a Outline {
-        self.outline
     }
 
     /// How far its nearer end is from the sensor.

@@ -144,10 +144,12 @@ fn parts(outline: &Outline, [from, to]: [usize; 2]) -> Vec<[usize; 2]> {
 
 /// The edges of an opening, of which there are several where a wall is seen through a doorway; none if the view cuts it.
 pub(crate) fn edges_of<'a>(opening: &Opening, outline: &'a Outline) -> Vec<Edge<'a>> {
-    let whole = [opening.returns].into_iter().filter(|_| opening.gaps.is_empty());
-    let gaps = whole.chain(opening.gaps.iter().map(|gap| gap.map(Some)));
-    let places = gaps.filter_map(|[from, to]| Some([outline.place_of(from?)?, outline.place_of(to?)?]));
-    places.map(|pair| Edge::between(outline, pair)).collect()
+    let whole = match opening.returns {
+        [Some(from), Some(to)] if opening.gaps.is_empty() => Some([from, to]),
+        _ => None,
+    };
+    let gaps = whole.iter().chain(&opening.gaps);
+    gaps.filter_map(|&gap| outline.places_of(gap)).map(|pair| Edge::between(outline, pair)).collect()
 }
 
 /// The openings at edges where a wall ends. Those that begin at the two sides of a doorway are one.
@@ -156,7 +158,7 @@ fn between_walls<'a>(edges: impl Iterator<Item = Edge<'a>>, vehicle_width_m: f64
     edges.sort_by_key(|edge| edge.clockwise.at);
     let count = edges.len();
     let last_behind_doorway = |first: usize| {
-        let others = if edges[first].outline().ring.full_turn { count } else { count - first };
+        let others = if edges[first].outline.ring.full_turn { count } else { count - first };
         (1..others).rev().find(|more| edges[first].is_doorway_to(&edges[(first + more) % count], vehicle_width_m))
     };
     let doorways: Vec<_> = (0..count).filter_map(|first| Some((first, last_behind_doorway(first)?))).collect();

@@ -99,21 +99,21 @@ pub(crate) struct NarrowBands {
 impl NarrowBands {
     /// Forms the blocks of `graph`, the edges between them set aside.
     pub(crate) fn form(&mut self, graph: &Graph<'_>, split: &Split, order: &Order) {
-        let (places, leaks) = (order.places(), split.leaks());
+        let (places, leaks) = (order.places(), &split.leaks);
         self.too_long.clear();
-        self.too_long.resize(split.len(), 0);
+        self.too_long.resize(split.volumes.len(), 0);
         self.columns.clear();
         self.columns.resize(places.len() + NARROW, [0.0; NARROW]);
         for (i, &place) in places.iter().enumerate() {
             self.columns[place as usize][0] = graph.diagonal(i, leaks[i]);
         }
-        for edge in split.edges_within() {
+        for edge in &split.within {
             let [from, to] = [edge.from, edge.to].map(|i| places[i as usize] as usize);
             let length = from.abs_diff(to);
             if let Some(entry) = self.columns[from.min(to)].get_mut(length) {
                 *entry = -edge.scaled;
             } else {
-                let too_long = &mut self.too_long[split.block_of_return()[edge.from as usize] as usize];
+                let too_long = &mut self.too_long[split.block_of_return[edge.from as usize] as usize];
                 *too_long = length.max(*too_long);
             }
         }

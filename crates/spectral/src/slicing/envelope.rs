@@ -19,9 +19,10 @@ const PANEL: usize = 16;
 ///
 /// It is taken by panels of columns: from the first row of a panel to its end, below which there is nothing.
 pub(crate) struct Envelope {
-    members: Vec<u32>,
-    /// The diagonal of D^1/2.
-    roots: Vec<f64>,
+    /// The returns of the part, in the order of the rows.
+    pub(crate) members: Vec<u32>,
+    /// The diagonal of D^1/2, which L maps to 0.
+    pub(crate) roots: Vec<f64>,
     panels: Vec<Panel>,
     /// M below its blocks on the diagonal.
     factor: Mat<f64>,
@@ -34,8 +35,10 @@ pub(crate) struct Envelope {
     /// A few rows or columns times Δ.
     scaled: Mat<f64>,
     scratch: MemBuffer,
-    shift: f64,
-    below: usize,
+    /// The shift of the last factorisation.
+    pub(crate) shift: f64,
+    /// The number of eigenvalues below the shift, by Sylvester's law.
+    pub(crate) below: usize,
 }
 
 /// Columns `start..next`, and the row `end` from which on they have no entries. It never falls from a panel to the
@@ -90,7 +93,7 @@ impl Envelope {
     ///
     /// Panel by panel, each as soon as its returns are known: W is read once, and the factor written once.
     pub(crate) fn factorise(&mut self, l: &Normalised<'_>, first: u32, unseen: &mut Unseen, shift: f64) -> bool {
-        self.begin(first, unseen.count() + 1, shift);
+        self.begin(first, unseen.count + 1, shift);
         let mut sound = true;
         let mut start = 0;
         while start < self.members.len() {
@@ -175,31 +178,6 @@ impl Envelope {
             let scaled = scaled.submatrix(0, 0, columns, next - start);
             add(work.submatrix_mut(0, 0, rows.nrows(), columns), -1.0, rows, scaled.transpose());
         }
-    }
-
-    /// The returns of the part, in the order of the rows.
-    pub(crate) fn members(&self) -> &[u32] {
-        &self.members
-    }
-
-    /// Number of returns.
-    pub(crate) fn n(&self) -> usize {
-        self.members.len()
-    }
-
-    /// The diagonal of D^1/2, which L maps to 0.
-    pub(crate) fn roots(&self) -> &[f64] {
-        &self.roots
-    }
-
-    /// The shift of the last factorisation.
-    pub(crate) fn shift(&self) -> f64 {
-        self.shift
-    }
-
-    /// The number of eigenvalues below the shift, by Sylvester's law.
-    pub(crate) fn below(&self) -> usize {
-        self.below
     }
 
     /// The number of eigenvalues that count as zero if the shift is τ: those below it, and always the first, which
