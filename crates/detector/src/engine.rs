@@ -142,12 +142,12 @@ impl From<Engine> for [Worker; 4] {
 }
 
 /// Reads and writes the parts of a frame that belong to a stage.
-type Run = dyn FnMut(&mut Frame) -> Result<(), StageError> + Send;
+type Work = dyn FnMut(&mut Frame) -> Result<(), StageError> + Send;
 
 /// A stage with the parts of a frame that it reads and writes.
 pub struct Worker {
     step: Step,
-    run: Box<Run>,
+    run: Box<Work>,
 }
 
 impl Worker {

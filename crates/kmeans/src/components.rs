@@ -23,7 +23,7 @@ const CHUNK: usize = 8;
 pub const KIND: Kind<dyn KmeansStage> = Kind::kmeans(
     "components",
     "a cluster for each connected component, read off a U whose columns share no row",
-    |params| Box::new(Components { min_cluster: params.get(MIN_CLUSTER), ..Components::default() }),
+    |params| Box::new(ColumnClusters { min_cluster: params.get(MIN_CLUSTER), ..ColumnClusters::default() }),
 )
 .params(&[MIN_CLUSTER.spec]);
 
@@ -33,7 +33,7 @@ pub const KIND: Kind<dyn KmeansStage> = Kind::kmeans(
 ///
 /// Clusters of fewer than `min_cluster` returns are left out, with a note.
 #[derive(Default)]
-struct Components {
+struct ColumnClusters {
     min_cluster: usize,
     /// The column of each return, and what stands there.
     columns: Vec<u32>,
@@ -46,7 +46,7 @@ struct Components {
     mixed: KmeansPlusPlus,
 }
 
-impl Components {
+impl ColumnClusters {
     /// Fills `columns`, `entries`, `sizes` and `means`, unless a row has not exactly one entry.
     ///
     /// # Errors
@@ -96,7 +96,7 @@ impl Components {
     }
 }
 
-impl KmeansStage for Components {
+impl KmeansStage for ColumnClusters {
     fn partition(&mut self, spectrum: &Spectrum, out: &mut Partition, notes: &mut Notes) -> Result<(), StageError> {
         check_columns(spectrum)?;
         let (n, k) = (spectrum.u.nrows(), spectrum.u.ncols());

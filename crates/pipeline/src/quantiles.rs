@@ -5,7 +5,7 @@ const BIN_OCTAVES: f64 = 1.0 / 64.0;
 
 /// How often numbers of each size occur, to 1 %: at most 4,097 counts.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Quantiles {
+pub struct Quantiles {
     counts: Vec<u64>,
     total: u64,
 }
@@ -20,8 +20,8 @@ impl Quantiles {
         self.total += 1;
     }
 
-    /// Median and 99th percentile, nearest rank; `None` before the first number.
-    pub(crate) fn median_and_p99(&self) -> Option<(u64, u64)> {
+    /// Median and 99th percentile, nearest rank, to 1 %; `None` before the first number.
+    pub fn median_and_p99(&self) -> Option<(u64, u64)> {
         Some((self.percentile(50)?, self.percentile(99)?))
     }
 

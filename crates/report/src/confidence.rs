@@ -19,8 +19,8 @@ use std::f64::consts::{FRAC_PI_4, TAU};
 use crosscut_stage::{Junction, Opening, Revolution, Verdict, Wall, wrap_angle_rad};
 
 use crate::odds;
-use crate::openings::{self, Edge};
-use crate::outline::Outline;
+use crate::openings::{self, FreeEdge};
+use crate::wall_ring::WallRing;
 
 /// Clearances are limited to these multiples of the vehicle's width.
 const CLEARANCES: [f64; 2] = [0.2, 15.0];
@@ -83,14 +83,14 @@ impl Grounds {
     ) -> Option<Self> {
         let of_no_island = |wall: &Option<u32>| wall.filter(|&id| !answer.walls[id as usize].island);
         let wall_of_return: Vec<_> = answer.wall_of_return.iter().map(of_no_island).collect();
-        let mut outline = Outline::default();
+        let mut outline = WallRing::default();
         outline.fill(revolution, revolution.beams()?, &wall_of_return).ok()?;
         Self::on(&outline, revolution, verdicts, vehicle_width_m, margin_decades, answer)
     }
 
     /// The grounds of an answer, from the outline of its walls that are no islands; `None` without one.
     pub(crate) fn on(
-        outline: &Outline,
+        outline: &WallRing,
         revolution: &Revolution,
         verdicts: &[Verdict],
         vehicle_width_m: f64,
@@ -123,7 +123,7 @@ impl Grounds {
         grounds.apart_rad = apart_rad(bearings_rad);
         // No opening within a wall is narrower than the vehicle.
         let others =
-            Edge::all(outline, vehicle_width_m).filter(|edge| !is_at_opening(edge.returns(), &answer.openings));
+            FreeEdge::all(outline, vehicle_width_m).filter(|edge| !is_at_opening(edge.returns(), &answer.openings));
         for edge in others {
             if edge.is_between_walls() {
                 // It counts although it may be too narrow for an opening.
@@ -188,7 +188,7 @@ pub(crate) fn of_smallest_wall(walls: &[Wall]) -> f64 {
 
 /// The average angle from one return of a wall to the next: more than that of the beams where some are lost. Beams into
 /// openings are not lost.
-pub(crate) fn spacing_rad(outline: &Outline, openings: &[Opening]) -> f64 {
+pub(crate) fn spacing_rad(outline: &WallRing, openings: &[Opening]) -> f64 {
     let ring = &outline.ring;
     let [mut beams, mut spacings] = [0, 0];
     for [from, to] in outline.pairs_within_walls() {
@@ -258,7 +258,7 @@ mod tests {
     #[test]
     fn an_answer_without_walls_or_without_beams_has_no_grounds() {
         let cloud = Revolution { points_m: vec![crosscut_stage::Point::origin()], ..Revolution::default() };
-        let empty = (Outline::default(), Revolution::default(), Junction::default());
+        let empty = (WallRing::default(), Revolution::default(), Junction::default());
         assert_eq!(Grounds::on(&empty.0, &empty.1, &[], 0.6, None, &empty.2), None);
         assert_eq!(
             Grounds::of(&cloud, &[], 0.6, None, &Junction { wall_of_return: vec![None], ..Junction::default() }),

@@ -14,11 +14,11 @@
 use crosscut_scan::{LostBeams, is_closed_by_returns};
 use crosscut_stage::{Beam, Junction, Known, KnownGaps, Opening, Verdict};
 
-use crate::openings::{self, DEPTH_M, Edge};
-use crate::outline::Outline;
+use crate::openings::{self, DEPTH_M, FreeEdge};
+use crate::wall_ring::WallRing;
 
 /// Sets `known` of each opening of `out`, and counts its gaps.
-pub(crate) fn mark(verdicts: &[Verdict], outline: &Outline, vehicle_width_m: f64, out: &mut Junction) {
+pub(crate) fn mark(verdicts: &[Verdict], outline: &WallRing, vehicle_width_m: f64, out: &mut Junction) {
     let lost = lost_within_walls(outline, &out.openings);
     let mut gaps = KnownGaps::default();
     for opening in &mut out.openings {
@@ -36,7 +36,7 @@ pub(crate) fn mark(verdicts: &[Verdict], outline: &Outline, vehicle_width_m: f64
 }
 
 /// The beams that came back with nothing between two neighbouring returns of a wall, where no opening is.
-fn lost_within_walls(outline: &Outline, openings: &[Opening]) -> LostBeams {
+fn lost_within_walls(outline: &WallRing, openings: &[Opening]) -> LostBeams {
     let (ring, mut lost) = (&outline.ring, LostBeams::default());
     for [from, to] in outline.pairs_within_walls() {
         let beams = ring.dark_between(from, to);
@@ -48,7 +48,7 @@ fn lost_within_walls(outline: &Outline, openings: &[Opening]) -> LostBeams {
     lost
 }
 
-fn is_seen_through(edge: &Edge<'_>, lost: LostBeams, vehicle_width_m: f64) -> bool {
+fn is_seen_through(edge: &FreeEdge<'_>, lost: LostBeams, vehicle_width_m: f64) -> bool {
     let shows_depth = edge.clearance_of_branch().is_some_and(|clearance| {
         clearance.depth_m * (1.0 - vehicle_width_m / clearance.clear_m) >= DEPTH_M
             && clearance.clear_m > vehicle_width_m
@@ -57,7 +57,7 @@ fn is_seen_through(edge: &Edge<'_>, lost: LostBeams, vehicle_width_m: f64) -> bo
 }
 
 /// Whether enough neighbouring beams came back with nothing, more than the walls of the scan lose.
-fn lets_beams_pass(edge: &Edge<'_>, lost: LostBeams, vehicle_width_m: f64) -> bool {
+fn lets_beams_pass(edge: &FreeEdge<'_>, lost: LostBeams, vehicle_width_m: f64) -> bool {
     let (ring, near_m) = (&edge.outline.ring, edge.range_m());
     let (mut run, mut longest) = (0, 0);
     for beam in edge.between_beams() {

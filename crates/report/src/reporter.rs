@@ -9,7 +9,7 @@ use crosscut_stage::{
 
 use crate::confidence::Grounds;
 use crate::openings::{self, OpeningRule};
-use crate::outline::Outline;
+use crate::wall_ring::WallRing;
 use crate::{confidence, doorway, islands, known, odds, place, walls};
 
 const MIN_RETURNS: Count = Count::new("min_returns", "returns", 1)
@@ -43,7 +43,7 @@ pub struct Reporter {
     uncalibrated: bool,
     vehicle_width_m: f64,
     openings: OpeningRule,
-    outline: Outline,
+    outline: WallRing,
 }
 
 impl Reporter {
@@ -60,7 +60,7 @@ impl Reporter {
                 "between_walls" => OpeningRule::BetweenWalls,
                 _ => OpeningRule::FreeSpace,
             },
-            outline: Outline::default(),
+            outline: WallRing::default(),
         }
     }
 

@@ -69,7 +69,7 @@ impl Islands {
         self.pieces.clear();
         self.holds.clear();
         self.holds.resize(ring.len(), false);
-        while let Some((at, together)) = (Search { ring, roughness, pieces, islands: self, lengths }).nearest() {
+        while let Some((at, together)) = (PieceSearch { ring, roughness, pieces, islands: self, lengths }).nearest() {
             for _ in 0..together {
                 // After the last piece comes the first.
                 let at = if at < pieces.len() { at } else { 0 };
@@ -95,7 +95,7 @@ impl Islands {
 
 /// One look for islands among pieces.
 #[derive(Clone, Copy)]
-struct Search<'a> {
+struct PieceSearch<'a> {
     ring: &'a Ring,
     roughness: &'a Roughness,
     pieces: &'a Pieces,
@@ -104,7 +104,7 @@ struct Search<'a> {
     lengths: &'a Lengths,
 }
 
-impl Search<'_> {
+impl PieceSearch<'_> {
     /// The nearest piece that stands free, and how many stand free together from there on: one, or as many as need be.
     fn nearest(&self) -> Option<(usize, usize)> {
         let range_m = |first: usize, together: usize| {

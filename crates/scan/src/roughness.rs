@@ -80,7 +80,7 @@ impl Roughness {
 /// Adds the roughness of each stretch that these returns fill, one after the other. A rest that fills none is left out.
 fn take_stretches<'a>(mut returns: impl Iterator<Item = &'a WallReturn>, inexact_squared: f64, offs_m: &mut Vec<f64>) {
     let Some(first) = returns.next() else { return };
-    let mut stretch = Stretch::from(first);
+    let mut stretch = WallStretch::from(first);
     for next in returns {
         let offset_m = next.position_m - stretch.start_m;
         if offset_m.norm_squared() < STRETCH_M * STRETCH_M {
@@ -89,13 +89,13 @@ fn take_stretches<'a>(mut returns: impl Iterator<Item = &'a WallReturn>, inexact
             if stretch.returns >= LEAST_RETURNS {
                 offs_m.push(stretch.off_line_m(inexact_squared));
             }
-            stretch = Stretch::from(next);
+            stretch = WallStretch::from(next);
         }
     }
 }
 
 /// The sums over the returns of a stretch: of their offsets from the first, and of the products of those.
-struct Stretch {
+struct WallStretch {
     start_m: Position,
     returns: u32,
     sum: Position,
@@ -104,7 +104,7 @@ struct Stretch {
     range_squared: f64,
 }
 
-impl Stretch {
+impl WallStretch {
     fn from(first: &WallReturn) -> Self {
         Self {
             start_m: first.position_m,

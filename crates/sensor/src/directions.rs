@@ -5,7 +5,7 @@ use crosscut_stage::{Fan, wrap_angle_rad};
 
 /// Directions of the beams of one sensor in the body frame.
 #[derive(Debug, Default)]
-pub(crate) struct Directions {
+pub(crate) struct BeamDirections {
     /// The fan and the number of beams that they belong to.
     of: Option<(Fan, usize)>,
     pub(crate) bearings_rad: Vec<f64>,
@@ -20,7 +20,7 @@ pub(crate) struct Direction {
     pub(crate) is_masked: bool,
 }
 
-impl Directions {
+impl BeamDirections {
     /// Makes them those of `fan` with this number of beams; `masks` tells the bearings that the sensor ignores.
     pub(crate) fn update(&mut self, fan: Fan, beams: usize, masks: impl Fn(f64) -> bool) {
         if self.of.replace((fan, beams)) == Some((fan, beams)) {

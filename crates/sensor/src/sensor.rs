@@ -8,9 +8,9 @@ use crosscut_scan::{VEHICLE_HEIGHT_M, VEHICLE_PARAMS, VEHICLE_WIDTH_M};
 use crosscut_stage::NoteCode::{N021, N022, N025, N026, N027};
 use crosscut_stage::{Beam, Flag, Notes, Number, Pairs, ParamSpec, Params, Point, Revolution, Word, counted};
 
-use crate::directions::Directions;
-use crate::fan::Fan;
-use crate::limits::{Limits, Reading, Tally};
+use crate::directions::BeamDirections;
+use crate::fan::ScanFan;
+use crate::limits::{RangeLimits, Reading, Tally};
 
 /// How the sensor is turned.
 pub const YAW_RAD: Number = Number::new("yaw_rad", "rad", 0.0)
@@ -225,7 +225,7 @@ impl Sensor {
     /// `out.seq` is 0: only the recording knows it. `out.stamp_ns` is 0 if the scan has no stamp.
     pub fn revolution(&self, scan: &LaserScan, out: &mut Revolution, notes: &mut Notes) {
         notes.clear();
-        self.turning_revolution(&self.in_metres(scan), 0.0, &mut Directions::default(), out, notes);
+        self.turning_revolution(&self.in_metres(scan), 0.0, &mut BeamDirections::default(), out, notes);
         self.level(out, notes);
     }
 
@@ -236,7 +236,7 @@ impl Sensor {
         &self,
         scan: &LaserScan,
         rad_per_beam: f64,
-        directions: &mut Directions,
+        directions: &mut BeamDirections,
         out: &mut Revolution,
         notes: &mut Notes,
     ) {
@@ -253,10 +253,10 @@ impl Sensor {
                 format!("{} intensities for {} ranges: not used", scan.intensities.len(), scan.ranges.len()),
             );
         }
-        let limits = Limits::new(scan, self.min_range_m, self.max_range_m, notes);
+        let limits = RangeLimits::new(scan, self.min_range_m, self.max_range_m, notes);
         sweep.range_max_m = limits.range_max_m();
 
-        let Some(fan) = Fan::new(scan, notes) else {
+        let Some(fan) = ScanFan::new(scan, notes) else {
             sweep.bearings_rad.resize(scan.ranges.len(), 0.0);
             sweep.beams.resize(scan.ranges.len(), Beam::Unknown);
             sweep.step_rad = TAU;

@@ -20,13 +20,13 @@ const LEAST_WEIGHT: f64 = 1e-4;
 pub const KIND: Kind<dyn SpectralStage> = Kind::spectral(
     "components",
     "the zero eigenvalues alone, exact: one for each connected component of the edges that are not weak (baseline)",
-    |_| Box::new(Components::default()),
+    |_| Box::new(ComponentZeros::default()),
 )
 .eigenvalues(Eigenvalues::Zeros)
 .stays_sparse();
 
 #[derive(Default)]
-struct Components {
+struct ComponentZeros {
     sets: DisjointSets,
     /// Σ of the edges at each return.
     degrees: Vec<f64>,
@@ -34,7 +34,7 @@ struct Components {
     volumes: Vec<f64>,
 }
 
-impl Components {
+impl ComponentZeros {
     /// Joins the returns of each edge, and sums the edges at each return.
     fn follow_edges(&mut self, affinity: &Affinity) -> Result<(), StageError> {
         let Self { sets, degrees, .. } = self;
@@ -55,7 +55,7 @@ impl Components {
     }
 }
 
-impl SpectralStage for Components {
+impl SpectralStage for ComponentZeros {
     fn spectrum(&mut self, affinity: &Affinity, out: &mut Spectrum, _: &mut Notes) -> Result<(), StageError> {
         check_degrees(affinity)?;
         self.follow_edges(affinity)?;

@@ -115,7 +115,7 @@ impl Weights {
     pub fn stored(&self) -> usize {
         match self {
             Self::Dense(w) => w.nrows() * w.ncols(),
-            Self::Sparse(w) => w.nonzeros(),
+            Self::Sparse(w) => w.values.len(),
         }
     }
 
@@ -179,11 +179,6 @@ impl Csr {
     /// Number of rows, n.
     pub fn n(&self) -> usize {
         self.row_start.len() - 1
-    }
-
-    /// Number of stored entries.
-    pub fn nonzeros(&self) -> usize {
-        self.values.len()
     }
 
     /// Columns and values of row `i`.

@@ -25,7 +25,7 @@ pub(crate) struct Band {
 impl Band {
     /// Forms one block of `graph`, with edges as long as `width` in the order of its returns. `leaks` are the weights
     /// of each return's edges to other blocks, which are set aside.
-    pub(crate) fn form(&mut self, graph: &Graph<'_>, leaks: &[f64], order: &Order, block: usize, width: usize) {
+    pub(crate) fn form(&mut self, graph: &Graph, leaks: &[f64], order: &Order, block: usize, width: usize) {
         let (members, rank) = (order.members(block), order.ranks(block));
         self.n = members.len();
         self.stride = 1 + USUAL_WIDTHS.into_iter().find(|&usual| width <= usual).unwrap_or(width);
@@ -98,7 +98,7 @@ pub(crate) struct NarrowBands {
 
 impl NarrowBands {
     /// Forms the blocks of `graph`, the edges between them set aside.
-    pub(crate) fn form(&mut self, graph: &Graph<'_>, split: &Split, order: &Order) {
+    pub(crate) fn form(&mut self, graph: &Graph, split: &Split, order: &Order) {
         let (places, leaks) = (order.places(), &split.leaks);
         self.too_long.clear();
         self.too_long.resize(split.volumes.len(), 0);

@@ -16,7 +16,7 @@ use crate::faer_evd::FaerEvd;
 use crate::zeros::ZERO_TOLERANCE;
 use band::{Band, NarrowBands};
 use fiedler::Fiedler;
-use graph::{Graph, GraphBuffers};
+use graph::Graph;
 use order::Order;
 use split::{MOST_DECOMPOSED, Split};
 
@@ -34,7 +34,7 @@ pub const KIND: Kind<dyn SpectralStage> = Kind::spectral(
         let tolerance = params.get(ZERO_TOLERANCE);
         Box::new(Blocks {
             tolerance,
-            graph: GraphBuffers::default(),
+            graph: Graph::default(),
             solver: Solver::default(),
             full: FaerEvd::new(tolerance),
         })
@@ -59,7 +59,7 @@ pub const KIND: Kind<dyn SpectralStage> = Kind::spectral(
 /// returns, as no wall's are.
 struct Blocks {
     tolerance: f64,
-    graph: GraphBuffers,
+    graph: Graph,
     solver: Solver,
     full: FaerEvd,
 }
@@ -111,7 +111,7 @@ struct Solver {
 }
 
 impl Solver {
-    fn solve(&mut self, graph: &Graph<'_>, weak_link: f64, tolerance: f64) -> Result<(), StageError> {
+    fn solve(&mut self, graph: &Graph, weak_link: f64, tolerance: f64) -> Result<(), StageError> {
         self.split.form(graph, weak_link, tolerance)?;
         self.order.form(&self.split.block_of_return, self.split.volumes.len());
         self.narrow.form(graph, &self.split, &self.order);
@@ -174,19 +174,11 @@ impl Solver {
 }
 
 /// Forms the Laplacian of a block, the edges to others set aside, as a band; whether it is narrow enough.
-fn form_band(
-    graph: &Graph<'_>,
-    split: &Split,
-    order: &mut Order,
-    block: usize,
-    narrow: &NarrowBands,
-    band: &mut Band,
-) -> bool {
+fn form_band(graph: &Graph, split: &Split, order: &Order, block: usize, narrow: &NarrowBands, band: &mut Band) -> bool {
     let Some(longest) = narrow.too_long(block) else {
         band.copy_narrow(narrow, order, block);
         return true;
     };
-    let longest = order.shorten(graph, block, longest);
     if longest > WIDEST_BAND {
         return false;
     }
@@ -215,14 +207,14 @@ impl SpectralStage for Blocks {
         check_degrees(affinity)?;
         let degrees = &affinity.degrees;
         let Self { tolerance, ref mut graph, ref mut solver, ref mut full } = *self;
-        let graph = graph.graph(affinity)?;
-        solver.solve(&graph, WEAK_LINK, tolerance)?;
+        graph.fill(affinity)?;
+        solver.solve(graph, WEAK_LINK, tolerance)?;
         if !solver.split.between.is_empty() && !solver.several.is_empty() {
             notes.add(
                 N072,
                 "blocks: no edge set aside, as a wall between weak edges is itself almost two, or its edges are long",
             );
-            solver.solve(&graph, 0.0, tolerance)?;
+            solver.solve(graph, 0.0, tolerance)?;
         }
         let several = solver.several.iter();
         let decompose = |&block| Decomposed::new(full, affinity, solver.members(block), block, notes);

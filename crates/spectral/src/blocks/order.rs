@@ -1,10 +1,5 @@
 //! The order of the returns of each block in which their edges are short.
 
-use super::graph::Graph;
-
-/// A block whose edges are longer than this is ordered by search along them.
-const LONG: usize = 16;
-
 /// The members of each block, one block after the other, each in an order of its own.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Order {
@@ -29,21 +24,6 @@ impl Order {
         for (place, &i) in self.members.iter().enumerate() {
             self.places[i as usize] = place as u32;
         }
-    }
-
-    /// Orders a block in which that leaves long edges, the `longest` of this length, breadth first from a far end, if
-    /// they are then shorter. Returns the length of the longest edge.
-    pub(crate) fn shorten(&mut self, graph: &Graph<'_>, block: usize, longest: usize) -> usize {
-        if longest <= LONG {
-            return longest;
-        }
-        let (before, searched) = (self.members(block).to_vec(), self.search(graph, block));
-        self.arrange(block, &searched);
-        let then_longest = self.longest(graph, block);
-        if then_longest > longest {
-            self.arrange(block, &before);
-        }
-        then_longest.min(longest)
     }
 
     /// The returns of a block.
@@ -99,45 +79,6 @@ impl Order {
             && hole > around
         {
             members.rotate_left(at + 1);
-        }
-    }
-
-    /// The length of a block's longest edge, in places.
-    fn longest(&self, graph: &Graph<'_>, block: usize) -> usize {
-        let rank = self.ranks(block);
-        let members = self.members(block).iter().map(|&i| i as usize).enumerate();
-        let edges = members.flat_map(|(at, i)| graph.edges_back(i).map(move |edge| (at, edge.to as usize)));
-        edges.filter_map(|(at, j)| Some(at.abs_diff(rank(j)?))).max().unwrap_or(0)
-    }
-
-    /// The members of a block, which is connected, in breadth-first order from the far end of such an order.
-    fn search(&self, graph: &Graph<'_>, block: usize) -> Vec<u32> {
-        let rank = self.ranks(block);
-        let members = self.members(block);
-        let mut start = members[0];
-        let (mut found, mut is_seen) = (Vec::with_capacity(members.len()), vec![false; members.len()]);
-        for _ in 0..2 {
-            is_seen.fill(false);
-            let mut see = |i: u32| rank(i as usize).is_some_and(|rank| !std::mem::replace(&mut is_seen[rank], true));
-            see(start);
-            found.clear();
-            found.push(start);
-            let mut next = 0;
-            while let Some(&i) = found.get(next) {
-                found.extend(graph.edges.row(i as usize).0.iter().filter(|&&j| see(j)));
-                next += 1;
-            }
-            start = found[found.len() - 1];
-        }
-        found
-    }
-
-    /// Puts a block's members into this order.
-    fn arrange(&mut self, block: usize, members: &[u32]) {
-        let span = self.span(block);
-        self.members[span.clone()].copy_from_slice(members);
-        for (place, &i) in span.zip(members) {
-            self.places[i as usize] = place as u32;
         }
     }
 }

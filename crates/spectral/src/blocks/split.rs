@@ -51,10 +51,10 @@ impl Split {
     ///
     /// # Errors
     /// When Q cannot be decomposed, or would take too much memory.
-    pub(crate) fn form(&mut self, graph: &Graph<'_>, weak: f64, tolerance: f64) -> Result<(), StageError> {
+    pub(crate) fn form(&mut self, graph: &Graph, weak: f64, tolerance: f64) -> Result<(), StageError> {
         self.cut(graph, weak);
         loop {
-            self.number_blocks(graph.degrees);
+            self.number_blocks(&graph.degrees);
             if self.between.is_empty() {
                 self.eigenvalues.clear();
                 return Ok(());
@@ -74,7 +74,7 @@ impl Split {
     }
 
     /// Joins the returns of edges that are not weak, and keeps the others.
-    fn cut(&mut self, graph: &Graph<'_>, weak: f64) {
+    fn cut(&mut self, graph: &Graph, weak: f64) {
         let n = graph.degrees.len();
         self.sets.reset(n);
         self.between.clear();

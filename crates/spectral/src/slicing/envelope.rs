@@ -23,7 +23,7 @@ pub(crate) struct Envelope {
     pub(crate) members: Vec<u32>,
     /// The diagonal of D^1/2, which L maps to 0.
     pub(crate) roots: Vec<f64>,
-    panels: Vec<Panel>,
+    panels: Vec<ColumnPanel>,
     /// M below its blocks on the diagonal.
     factor: Mat<f64>,
     /// The inverses of M's blocks on the diagonal, side by side.
@@ -44,13 +44,13 @@ pub(crate) struct Envelope {
 /// Columns `start..next`, and the row `end` from which on they have no entries. It never falls from a panel to the
 /// next.
 #[derive(Clone, Copy, Debug)]
-struct Panel {
+struct ColumnPanel {
     start: usize,
     next: usize,
     end: usize,
 }
 
-impl Panel {
+impl ColumnPanel {
     fn columns(self) -> usize {
         self.next - self.start
     }
@@ -91,7 +91,7 @@ impl Envelope {
     /// Takes the returns that are connected with `first` out of `unseen`, and factorises L - `shift`·I of them. `false`
     /// if a pivot is 0 or no number, as after a weight that is not finite; the members are found all the same.
     ///
-    /// Panel by panel, each as soon as its returns are known: W is read once, and the factor written once.
+    /// ColumnPanel by panel, each as soon as its returns are known: W is read once, and the factor written once.
     pub(crate) fn factorise(&mut self, l: &Normalised<'_>, first: u32, unseen: &mut Unseen, shift: f64) -> bool {
         self.begin(first, unseen.count + 1, shift);
         let mut sound = true;
@@ -103,7 +103,7 @@ impl Envelope {
                 self.fill(l, start, next);
                 next += 1;
             }
-            sound = sound && self.eliminate(Panel { start, next, end: self.members.len() });
+            sound = sound && self.eliminate(ColumnPanel { start, next, end: self.members.len() });
             start = next;
         }
         self.below = self.pivots.iter().filter(|&&pivot| pivot < 0.0).count();
@@ -138,7 +138,7 @@ impl Envelope {
     }
 
     /// The next panel of the factor. `false` if a pivot is 0.
-    fn eliminate(&mut self, panel: Panel) -> bool {
+    fn eliminate(&mut self, panel: ColumnPanel) -> bool {
         self.subtract_before(panel);
         let Self { panels, factor, inverses, pivots, work, scaled, scratch, .. } = self;
         let columns = panel.columns();
@@ -164,7 +164,7 @@ impl Envelope {
     }
 
     /// Subtracts M Δ Mᵀ of the panels before it from the panel at work; panels that end alike together.
-    fn subtract_before(&mut self, panel: Panel) {
+    fn subtract_before(&mut self, panel: ColumnPanel) {
         let Self { panels, factor, pivots, work, scaled, .. } = self;
         let first = panels.partition_point(|before| before.end <= panel.start);
         for alike in panels[first..].chunk_by(|a, b| a.end == b.end) {

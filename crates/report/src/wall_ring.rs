@@ -8,13 +8,13 @@ use crosscut_stage::{Beam, Revolution, StageError, Sweep};
 /// The returns of walls in the order in which an anticlockwise look around the sensor meets them. Returns of no wall
 /// are seen only as beams between them.
 #[derive(Clone, Debug, Default)]
-pub struct Outline {
+pub struct WallRing {
     pub(crate) ring: Ring,
     /// The wall of each return of the ring.
     walls: Vec<u32>,
 }
 
-impl Outline {
+impl WallRing {
     /// Fills the outline with the returns that `wall_of_return` (n entries) gives a wall; nothing of an earlier one is
     /// left.
     ///
