@@ -18,7 +18,7 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Those of a preset.
+    /// The settings of a preset.
     pub fn new(preset: Preset) -> Self {
         Self::default().preset(preset)
     }

@@ -12,7 +12,7 @@ use crate::quantiles::Quantiles;
 pub struct Summary {
     /// Revolutions whose results were written.
     pub revolutions: u64,
-    /// Those with each number of junctions.
+    /// Revolutions with each number of junctions.
     pub junctions: BTreeMap<usize, Answers>,
     /// How their gaps are known.
     pub gaps: KnownGaps,
@@ -33,9 +33,9 @@ pub struct Summary {
 pub struct Answers {
     /// All of them.
     pub revolutions: u64,
-    /// Those with a confidence of [`SURE`] or more.
+    /// Revolutions with a confidence of [`SURE`] or more.
     pub sure: u64,
-    /// Those with a confidence.
+    /// Revolutions with a confidence.
     pub rated: u64,
 }
 
@@ -45,7 +45,7 @@ pub enum RunEnd {
     /// The source was read to its end.
     #[default]
     Complete,
-    /// It was asked to stop.
+    /// The run was asked to stop.
     Interrupted,
     /// A step failed on a revolution; every revolution before it was written.
     Failed(Failure),

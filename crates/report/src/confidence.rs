@@ -24,7 +24,7 @@ use crate::wall_ring::WallRing;
 
 /// Clearances are limited to these multiples of the vehicle's width.
 const CLEARANCES: [f64; 2] = [0.2, 15.0];
-/// What the odds of the gaps say is limited to this, and 1 less this.
+/// The probability of the answer by the odds of its gaps is limited to this, and to 1 less this.
 const LEAST_ODDS: f64 = 1e-4;
 /// Openings that are this far apart, or farther, are clearly apart.
 const APART_RAD: f64 = FRAC_PI_4;

@@ -12,7 +12,7 @@ use crosscut_stage::{Beam, Junction, Point, Revolution, Wall};
 use crate::openings::WallEnd;
 use crate::wall_ring::WallRing;
 
-/// Walls that run out in directions no farther apart are the sides of one opening: two branches are farther apart.
+/// Two walls within 35° of parallel bound one opening: two branches are farther apart.
 const ONE_OPENING_RAD: f64 = 35.0 * std::f64::consts::PI / 180.0;
 
 /// Sets `island` of the walls of `out` that are shorter than `island_m`, seen over less than [`WIDEST_RAD`] and stand free,

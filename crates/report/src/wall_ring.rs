@@ -127,7 +127,7 @@ impl WallRing {
     }
 
     /// How far the first or the last return of a limited view is from that end of the view, across the beams, metres.
-    /// It is 0 unless most beams between the two came back with nothing, and no two neighbours of them are unknown: a
+    /// The distance is 0 unless most beams between the two came back with nothing, and no two neighbours of them are unknown: a
     /// single unknown beam may have met dust or the edge of a wall, more are a sector that the sensor did not look at.
     pub(crate) fn room_to_end_m(&self, at: usize, anticlockwise: bool) -> f64 {
         let beams = self.beams_to_end(at, anticlockwise);

@@ -22,9 +22,9 @@ const SPACINGS: f64 = 2.25;
 /// The stretch is at least this many times as long as a gap between two neighbouring beams near the end of the piece: a
 /// prop or a beam along a wall shows its own sides there, and hides the wall behind it.
 const GAPS: f64 = 1.5;
-/// Such a gap begins no farther than this from the end of the piece.
+/// A gap beside a prop begins no farther than this from the end of the piece.
 const PROP_M: f64 = 0.45;
-/// Nor does it begin farther than this many times the roughness of the walls: at the far corner of a branch of smooth
+/// A gap beside a prop begins no farther than this many times the roughness of the walls from the end: at the far corner of a branch of smooth
 /// walls, a stretch this short is the face of that corner.
 const PROP_BUMPS: f64 = 5.0;
 

@@ -14,7 +14,7 @@ const LEAST_RETURNS: u32 = 4;
 const DENSE_M: f64 = 0.05;
 /// With fewer dense returns, how inexact ranges are is unknown.
 const LEAST_DENSE: u32 = 20;
-/// This share of what inexact ranges add to the mean square is taken off.
+/// The share of the mean square added by inexact ranges that is taken off.
 const INEXACT_SHARE: f64 = 0.8;
 /// The mean square distance of a return from the line through its two neighbours, for evenly spaced returns that
 /// scatter by a standard deviation of 1.

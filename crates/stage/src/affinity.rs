@@ -140,6 +140,13 @@ impl Weights {
         }
     }
 
+    /// All n×n entries.
+    pub fn to_dense(&self) -> Mat<f64> {
+        let mut w = Mat::zeros(self.n(), self.n());
+        self.for_each(|i, j, value| w[(i, j)] = value);
+        w
+    }
+
     /// Makes `self` a dense n×n matrix, whose content is unspecified.
     pub fn make_dense(&mut self, n: usize) -> &mut Mat<f64> {
         if !matches!(self, Self::Dense(_)) {

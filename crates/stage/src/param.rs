@@ -96,7 +96,7 @@ impl Number {
         self
     }
 
-    /// This parameter of another section, `section.name`, as one that a stage reads. It is set and printed there alone.
+    /// A parameter of another section, `section.name`, as one that a stage reads. It is set and printed in that section alone.
     pub const fn shared(self, parameter: &'static str) -> ParamSpec {
         ParamSpec { shared: true, ..self.follows(parameter).spec }
     }

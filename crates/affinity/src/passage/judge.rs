@@ -25,10 +25,10 @@ const ROOM_RATIO_WITHOUT_DIRECTION: f64 = 3.0;
 
 /// A piece without a direction belongs to a wall if it lies within this of the line of the wall.
 const OFF_LINE_M: f64 = 0.3;
-/// Such a piece may lie off the line by this share of its distance more.
+/// A piece without a direction may lie farther off the line of its wall by this share of its distance.
 const OFF_LINE_SHARE: f64 = 0.15;
-/// Two pieces without direction belong together along a line of sight, as a wall at grazing incidence: at least this
-/// share of their distance is along the beams.
+/// Two pieces without a direction are of one wall at grazing incidence if at least this share of their distance is along the
+/// beams.
 const GRAZING_SHARE: f64 = 0.8;
 
 /// Joining two pieces with directions costs this, and one for each radian of turn.

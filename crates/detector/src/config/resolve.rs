@@ -117,7 +117,7 @@ impl Config {
         Sensor::new(self.params("ingest"), self.params("vehicle"))
     }
 
-    /// This configuration with another value of a parameter.
+    /// The configuration with another value of a parameter.
     ///
     /// # Panics
     /// When there is no such section or parameter, or it does not allow the value.

@@ -16,9 +16,9 @@ const LINE_M: f64 = 1.5;
 /// The far side of a branch is no nearer to the direction of the nearer wall than 45°: the cosine of that.
 const BRANCH_COS: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-/// This many bisections of a way of at most 8 m or a half turn leave 1 cm or 0.2°.
+/// Bisections of a way: they leave 1 cm of 8 m, and 0.2° of a half turn.
 const BISECTIONS: usize = 10;
-/// What is farther by this factor is farther whatever was rounded.
+/// A distance that is larger by this factor is larger however both were rounded.
 const ROUNDING: f64 = 1.001;
 /// More pieces of a wall are seldom near where a branch is last seen.
 const NEAR_PIECES: usize = 32;
@@ -28,7 +28,7 @@ const NEAR_PIECES: usize = 32;
 pub(crate) struct WallEnd {
     /// Its return at the edge, counted in the outline.
     pub(crate) at: usize,
-    /// It lies clockwise of the edge.
+    /// The wall lies clockwise of the edge.
     pub(crate) is_clockwise: bool,
 }
 

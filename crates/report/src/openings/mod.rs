@@ -68,10 +68,10 @@ pub const WIDENS: f64 = 2.5;
 /// Which edges are openings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum OpeningRule {
-    /// Those through which the vehicle fits into free space.
+    /// The edges through which the vehicle fits into free space.
     #[default]
     FreeSpace,
-    /// Those where the affinity decided that a wall ends; without its verdicts, those between two walls.
+    /// The edges where the affinity decided that a wall ends; without its verdicts, the edges between two walls.
     BetweenWalls,
 }
 

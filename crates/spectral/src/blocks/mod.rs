@@ -14,7 +14,7 @@ use crate::degrees::check_degrees;
 use crate::embedding::make_zero;
 use crate::faer_evd::FaerEvd;
 use crate::zeros::ZERO_TOLERANCE;
-use band::{Band, NarrowBands};
+use band::Band;
 use fiedler::Fiedler;
 use graph::Graph;
 use order::Order;
@@ -100,7 +100,6 @@ impl Decomposed {
 struct Solver {
     split: Split,
     order: Order,
-    narrow: NarrowBands,
     band: Band,
     fiedler: Fiedler,
     zero: Vec<f64>,
@@ -113,8 +112,7 @@ struct Solver {
 impl Solver {
     fn solve(&mut self, graph: &Graph, weak_link: f64, tolerance: f64) -> Result<(), StageError> {
         self.split.form(graph, weak_link, tolerance)?;
-        self.order.form(&self.split.block_of_return, self.split.volumes.len());
-        self.narrow.form(graph, &self.split, &self.order);
+        self.order.form(&self.split);
         self.next = None;
         self.several.clear();
         // A large block has a small one as a rule: of the others it is then enough to know that theirs is no less.
@@ -124,11 +122,13 @@ impl Solver {
             if self.order.members(block).len() == 1 {
                 continue;
             }
-            let Self { split, order, narrow, band, fiedler, zero, .. } = self;
-            if !form_band(graph, split, order, block, narrow, band) {
+            self.order.shorten(graph, block);
+            if self.order.longest[block] > WIDEST_BAND {
                 self.several.push(block);
                 continue;
             }
+            let Self { split, order, band, fiedler, zero, .. } = self;
+            band.form(graph, &split.leaks, order, block);
             if self.next.is_some_and(|next| band.count_below(next) <= 1) {
                 continue;
             }
@@ -171,19 +171,6 @@ impl Solver {
             }
         }
     }
-}
-
-/// Forms the Laplacian of a block, the edges to others set aside, as a band; whether it is narrow enough.
-fn form_band(graph: &Graph, split: &Split, order: &Order, block: usize, narrow: &NarrowBands, band: &mut Band) -> bool {
-    let Some(longest) = narrow.too_long(block) else {
-        band.copy_narrow(narrow, order, block);
-        return true;
-    };
-    if longest > WIDEST_BAND {
-        return false;
-    }
-    band.form(graph, &split.leaks, order, block, longest);
-    true
 }
 
 /// The graph of some returns alone.

@@ -40,7 +40,7 @@ pub(crate) struct Split {
     pub(super) leaks: Vec<f64>,
     /// The place in Q of each block that has weak edges.
     place: Vec<Option<usize>>,
-    /// Those of θ_1, …, θ_m that are not 0 because a block has no weak edges; ascending.
+    /// Of θ_1, …, θ_m, those that are not 0 because a block has no weak edges; ascending.
     pub(super) eigenvalues: Vec<f64>,
     decomposition: Decomposition,
 }

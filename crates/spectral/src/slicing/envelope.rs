@@ -17,7 +17,7 @@ const PANEL: usize = 16;
 /// D^1/2 (L - shift·I) D^1/2 = (1 - shift) D - W of one part, n×n, as M Δ Mᵀ without exchange of rows. For indefinite
 /// matrices this can be inaccurate, so its results have to be checked.
 ///
-/// It is taken by panels of columns: from the first row of a panel to its end, below which there is nothing.
+/// The matrix is taken by panels of columns: from the first row of a panel to its end, below which there is nothing.
 pub(crate) struct Envelope {
     /// The returns of the part, in the order of the rows.
     pub(crate) members: Vec<u32>,

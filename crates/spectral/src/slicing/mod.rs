@@ -126,7 +126,7 @@ impl SpectralStage for Slicing {
         let w = match &affinity.weights {
             Weights::Dense(w) => w,
             sparse => {
-                copy = dense(sparse);
+                copy = sparse.to_dense();
                 &copy
             }
         };
@@ -187,10 +187,4 @@ fn last_of_all(parts: &[Part], wanted: usize) -> f64 {
     let mut all: Vec<f64> = parts.iter().flat_map(|part| &part.lowest.eigenvalues).copied().collect();
     all.sort_by(f64::total_cmp);
     all.get(wanted - 1).copied().unwrap_or(f64::INFINITY)
-}
-
-fn dense(weights: &Weights) -> Mat<f64> {
-    let mut w = Mat::zeros(weights.n(), weights.n());
-    weights.for_each(|i, j, weight| w[(i, j)] = weight);
-    w
 }
