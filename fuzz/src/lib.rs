@@ -224,7 +224,7 @@ fn recording(start: &[u8], data: &[u8]) {
 fn geometry() -> CsvGeometry {
     let mut params = Params::defaults(CSV_PARAMS);
     for (name, value) in [("last_rad", 0.7), ("range_max_m", 30.0)] {
-        params.set(name, Value::Number(value)).expect("allowed");
+        params.set(name, Value::Float(value)).expect("allowed");
     }
     CsvGeometry::new(&params)
 }

@@ -2,7 +2,8 @@
 
 use crosscut_report::{HereLine, ResultsLine, SteadyLine};
 use crosscut_sensor::Sensor;
-use crosscut_stage::{Embedding, Frame, Step, Weights};
+use crosscut_stage::{Frame, Step, Weights};
+use faer::Mat;
 use numpy::IntoPyArray;
 use pyo3::intern;
 use pyo3::prelude::*;
@@ -28,7 +29,7 @@ pub(crate) struct Answer {
     eigenvalues: Vec<f64>,
     clusters: Vec<i32>,
     w: Option<(Weights, Vec<f64>)>,
-    u: Option<Embedding>,
+    u: Option<Mat<f64>>,
     markers: Option<Vec<u8>>,
     timings_ms: [(Step, f64); 4],
 }

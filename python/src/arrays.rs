@@ -1,6 +1,7 @@
 //! Matrices and points as arrays of numpy and scipy, and back.
 
-use crosscut_stage::{Csr, Embedding, Point, Weights};
+use crosscut_stage::{Csr, Point, Weights};
+use faer::Mat;
 use numpy::{
     AllowTypeChange, IntoPyArray, PyArrayDescrMethods, PyArrayLike1, PyArrayLike2, PyArrayMethods, PyUntypedArray,
     PyUntypedArrayMethods,
@@ -19,17 +20,15 @@ pub(crate) fn points<'py>(py: Python<'py>, points_m: &[Point]) -> PyResult<Bound
 /// W as an (n, n) array, or as a `scipy.sparse.csr_array` if it is stored by its nonzero entries.
 pub(crate) fn weights<'py>(py: Python<'py>, weights: &Weights) -> PyResult<Bound<'py, PyAny>> {
     match weights {
-        Weights::Sparse(w) => csr(py, w, w.n()),
+        Weights::Sparse(w) => csr(py, w),
         w => dense(py, [w.n(), w.n()], |flat| w.for_each(|i, j, value| flat[i * w.n() + j] = value)),
     }
 }
 
-/// U as an (n, k) array, or as a `scipy.sparse.csr_array` if it has very many columns.
-pub(crate) fn embedding<'py>(py: Python<'py>, u: &Embedding) -> PyResult<Bound<'py, PyAny>> {
-    match u {
-        Embedding::Sparse { columns, rows } => csr(py, rows, *columns),
-        u => dense(py, [u.nrows(), u.ncols()], |flat| u.for_each(|i, j, value| flat[i * u.ncols() + j] = value)),
-    }
+/// U as an (n, k) array.
+pub(crate) fn embedding<'py>(py: Python<'py>, u: &Mat<f64>) -> PyResult<Bound<'py, PyAny>> {
+    let [n, k] = [u.nrows(), u.ncols()];
+    dense(py, [n, k], |flat| (0..n * k).for_each(|at| flat[at] = u[(at / k, at % k)]))
 }
 
 fn dense(py: Python<'_>, shape: [usize; 2], fill: impl FnOnce(&mut [f64])) -> PyResult<Bound<'_, PyAny>> {
@@ -38,7 +37,7 @@ fn dense(py: Python<'_>, shape: [usize; 2], fill: impl FnOnce(&mut [f64])) -> Py
     Ok(flat.into_pyarray(py).reshape(shape)?.into_any())
 }
 
-fn csr<'py>(py: Python<'py>, rows: &Csr, ncols: usize) -> PyResult<Bound<'py, PyAny>> {
+fn csr<'py>(py: Python<'py>, rows: &Csr) -> PyResult<Bound<'py, PyAny>> {
     let mut starts = vec![0i64];
     let (mut columns, mut values) = (Vec::new(), Vec::new());
     for i in 0..rows.n() {
@@ -48,7 +47,10 @@ fn csr<'py>(py: Python<'py>, rows: &Csr, ncols: usize) -> PyResult<Bound<'py, Py
         starts.push(columns.len() as i64);
     }
     let parts = (values.into_pyarray(py), columns.into_pyarray(py), starts.into_pyarray(py));
-    py.import("crosscut._extras")?.call_method0("scipy_sparse")?.getattr("csr_array")?.call1((parts, (rows.n(), ncols)))
+    py.import("crosscut._extras")?
+        .call_method0("scipy_sparse")?
+        .getattr("csr_array")?
+        .call1((parts, (rows.n(), rows.n())))
 }
 
 /// A matrix that Python gave, by its nonzero entries or with all of them, row by row.

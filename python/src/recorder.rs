@@ -59,7 +59,7 @@ impl Recorder {
         let mut config = engine.config().clone();
         if let Some(detail) = detail {
             let detail =
-                DETAIL.spec.check(Value::Text(detail)).map_err(|error| PyValueError::new_err(error.to_string()))?;
+                DETAIL.spec.check(Value::String(detail)).map_err(|error| PyValueError::new_err(error.to_string()))?;
             config = config.with("recording", DETAIL.spec.name, detail);
         }
         let options = RecorderOptions { path: Some(path), ..crosscut::recorder_options(name, &config) };

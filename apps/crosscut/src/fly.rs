@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::Context;
 use crosscut_detector::{Config, Registry};
-use crosscut_pipeline::{End, StopFlag, StreamOptions, Summary, stream};
+use crosscut_pipeline::{RunEnd, StopFlag, StreamOptions, Summary, stream};
 use crosscut_stage::{Failure, FailureCause, Frame, Notes, Observer, Revolution, Source, SourceError, Step, counted};
 use indicatif::ProgressBar;
 
@@ -137,17 +137,19 @@ impl Flown {
         let of = whose.map_or_else(String::new, |whose| format!("{whose}: "));
         match &self.summary.end {
             // No revolution is at fault: the reader's error states the place.
-            End::Failed(Failure { step: Step::Ingest, cause: FailureCause::Error(cause), .. }) if self.is_empty() => {
+            RunEnd::Failed(Failure { step: Step::Ingest, cause: FailureCause::Error(cause), .. })
+                if self.is_empty() =>
+            {
                 diagnostics.error(cause);
             }
-            End::Failed(failure) => diagnostics.error(format_args!("{of}{failure}; before it: {done}")),
-            End::ResultsLost(error) => report_lost_results(&of, error, &done, diagnostics),
-            End::Interrupted => {
+            RunEnd::Failed(failure) => diagnostics.error(format_args!("{of}{failure}; before it: {done}")),
+            RunEnd::ResultsLost(error) => report_lost_results(&of, error, &done, diagnostics),
+            RunEnd::Interrupted => {
                 let at = whose.map_or_else(String::new, |whose| format!("at {whose}, "));
                 diagnostics.interrupted(format_args!("{at}after {done}; what is written covers what came before"));
             }
-            End::Complete if self.is_empty() => diagnostics.error(format_args!("{of}no scan could be read")),
-            End::Complete => {}
+            RunEnd::Complete if self.is_empty() => diagnostics.error(format_args!("{of}no scan could be read")),
+            RunEnd::Complete => {}
         }
     }
 

@@ -14,7 +14,7 @@
 use crosscut_scan::{ISLAND_M, Lengths, Ring, Scan, VEHICLE_WIDTH_M};
 use crosscut_stage::{Affinity, AffinityStage, Invariance, Kind, Measured, Notes, Revolution, StageError, Verdict};
 
-use crate::edges::write_edges;
+use crate::edges::Neighbours;
 
 /// The line of a wall is that of as much of it beside the gap.
 const LINE_M: f64 = 1.0;
@@ -25,7 +25,7 @@ pub const KIND: Kind<dyn AffinityStage> = Kind::affinity(
     |params| Box::new(ClearWidth { passage_m: params.get(VEHICLE_WIDTH_M),
             island_m: params.get(ISLAND_M),
             scan: Scan::default(),
-            next: Vec::new(),
+            neighbours: Neighbours::default(),
         }),
 )
 .params(&[VEHICLE_WIDTH_M.shared("vehicle.width_m"), ISLAND_M.shared("report.island_m")])
@@ -37,23 +37,18 @@ struct ClearWidth {
     passage_m: f64,
     island_m: f64,
     scan: Scan,
-    /// The next return of the wall of each, and the one before.
-    next: Vec<[Option<u32>; 2]>,
+    neighbours: Neighbours,
 }
 
 impl AffinityStage for ClearWidth {
     fn weigh(&mut self, revolution: &Revolution, out: &mut Affinity, _: &mut Notes) -> Result<(), StageError> {
         let Some(sweep) = revolution.beams() else { return Err(StageError::without_beams("clear_width")) };
-        let Self { passage_m, island_m, scan, next } = self;
+        let Self { passage_m, island_m, scan, neighbours } = self;
         let lengths = Lengths { passage_m: *passage_m, island_m: *island_m, stretch_m: LINE_M };
         scan.make(sweep, &revolution.points_m, &lengths)?;
         let ring = &scan.ring;
-        next.clear();
-        next.resize(ring.len(), [None; 2]);
-        let mut connect = |i: usize, j: usize| {
-            let [i, j] = [i, j].map(|i| ring.returns[i].number);
-            (next[i as usize][0], next[j as usize][1]) = (Some(j), Some(i));
-        };
+        neighbours.reset(ring.len());
+        let mut connect = |i: usize, j: usize| neighbours.connect(ring.returns[i].number, ring.returns[j].number);
         scan.islands.pieces.iter().flat_map(|piece| piece.windows(2)).for_each(|pair| connect(pair[0], pair[1]));
 
         let kept = scan.pieces.returns();
@@ -85,11 +80,7 @@ impl AffinityStage for ClearWidth {
                 )),
             });
         }
-        write_edges(out, revolution.len(), |i, row| {
-            row.extend([Some(i as u32), next[i][0], next[i][1]].into_iter().flatten());
-            row.sort_unstable();
-            row.dedup();
-        });
+        neighbours.write(out);
         Ok(())
     }
 }

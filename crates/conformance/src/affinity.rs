@@ -3,7 +3,6 @@
 use crosscut_stage::{
     Affinity, AffinityStage, Invariance, Kind, Notes, Params, Point, Revolution, StageError, wrap_angle_rad,
 };
-use faer::Mat;
 use nalgebra::{Rotation3, Vector3};
 use proptest::collection::vec;
 use proptest::prelude::{Strategy, any, prop_oneof};
@@ -38,14 +37,6 @@ fn graph(kind: &AffinityKind, revolution: &Revolution) -> Option<Affinity> {
     }
 }
 
-/// W with zeros where nothing is stored.
-fn dense(affinity: &Affinity) -> Mat<f64> {
-    let n = affinity.weights.n();
-    let mut w = Mat::zeros(n, n);
-    affinity.weights.for_each(|i, j, value| w[(i, j)] += value);
-    w
-}
-
 fn any_revolution() -> impl Strategy<Value = Revolution> {
     prop_oneof![4 => scan(0..80), 1 => scan(0..4), 4 => cloud(0..40)]
 }
@@ -54,7 +45,7 @@ fn any_revolution() -> impl Strategy<Value = Revolution> {
 pub fn w_is_symmetric_with_entries_in_0_to_1_and_ones_on_the_diagonal(kind: &AffinityKind) {
     for_many(kind.name, CASES, &any_revolution(), |revolution| {
         let Some(affinity) = graph(kind, &revolution) else { return };
-        let w = dense(&affinity);
+        let w = affinity.weights.to_dense();
         assert_eq!((w.nrows(), w.ncols()), (revolution.len(), revolution.len()));
         for j in 0..w.ncols() {
             assert_eq!(w[(j, j)], 1.0, "diagonal at {j}");
@@ -78,7 +69,7 @@ pub fn a_used_stage_and_a_used_buffer_give_the_same_bits_as_new_ones(kind: &Affi
             }
             stage.affinity(revolution, &mut out, &mut Notes::default()).expect("a scan is enough for every kind");
             let fresh = graph(kind, revolution).expect("a scan is enough for every kind");
-            assert_eq!(format!("{:?}", dense(&out)), format!("{:?}", dense(&fresh)));
+            assert_eq!(format!("{:?}", out.weights.to_dense()), format!("{:?}", fresh.weights.to_dense()));
             assert_eq!((&out.degrees, &out.verdicts), (&fresh.degrees, &fresh.verdicts));
         }
     });
@@ -105,7 +96,7 @@ pub fn w_is_blind_to_what_the_kind_states(kind: &AffinityKind) {
             }
             let changed = change(&revolution, invariance, motion, &order);
             let (Some(before), Some(after)) = (graph(kind, &revolution), graph(kind, &changed)) else { continue };
-            let (before, after) = (dense(&before), dense(&after));
+            let (before, after) = (before.weights.to_dense(), after.weights.to_dense());
             for (row, &i) in order.iter().enumerate() {
                 for (column, &j) in order.iter().enumerate() {
                     let (was, is) = (before[(i, j)], after[(row, column)]);

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use crosscut_evaluate::Score;
 use crosscut_evaluate::stage_values::{first_difference, stage_values};
-use crosscut_evaluate::verdict::{Surer, Verdict, listed, thousands};
+use crosscut_evaluate::verdict::{Surer, SwapVerdict, listed, thousands};
 use crosscut_report::CONFIDENCE;
 use crosscut_stage::counted;
 
@@ -97,13 +97,13 @@ impl Session {
                 [held, now].map(|of| Score::of(truth, &of.line).is_ok_and(|score| of.failure.is_none() && score.right))
             });
             if let Some(right) = right {
-                verdict.get_or_insert_with(Verdict::default).add(right);
+                verdict.get_or_insert_with(SwapVerdict::default).add(right);
                 mended.extend((right == [false, true]).then_some(seq));
                 broken.extend((right == [true, false]).then_some(seq));
             }
         }
         let mut lines = Vec::new();
-        lines.extend(verdict.map(|verdict: Verdict| format!("{}.", verdict.sentence("now", None))));
+        lines.extend(verdict.map(|verdict: SwapVerdict| format!("{}.", verdict.sentence("now", None))));
         let which = if differ.is_empty() { String::new() } else { format!(": {}", listed(&differ, SPANS)) };
         lines.push(format!("{}{which}", surer.sentence("A", "now")));
         for (what, list) in [("mended", &mended), ("broken", &broken)] {

@@ -72,7 +72,7 @@ impl Injected {
         }
         let n = frame.revolution.len();
         refuse_shape(frame, Step::Spectral, "U", [u.nrows(), u.ncols()], [n, u.ncols()])?;
-        frame.spectrum.u = u.clone().into();
+        frame.spectrum.u.clone_from(u);
         frame.spectrum.k = u.ncols();
         frame.notes.add(N100, "U was injected; its number of columns is k");
         Ok(())

@@ -34,7 +34,7 @@ fn array(frame: &Frame, what: &str) -> Result<NpyArray, Refused> {
     Ok(match what {
         "W" => by_rows(&w(frame)),
         "L" => by_rows(&l(frame)?),
-        "U" => by_rows(&frame.spectrum.u.to_dense()),
+        "U" => by_rows(&frame.spectrum.u),
         "D" => vector(frame.affinity.degrees.clone()),
         "eigenvalues" => vector(frame.spectrum.eigenvalues.clone()),
         "labels" => vector(frame.partition.labels.iter().map(|label| label.map_or(-1.0, f64::from)).collect()),

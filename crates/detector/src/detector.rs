@@ -4,7 +4,7 @@ use crosscut_messages::LaserScan;
 use crosscut_sensor::Sensor;
 use crosscut_stage::{Failure, Frame, Junction};
 
-use crate::{Config, Engine, Registry, Settings};
+use crate::{Config, ConfigError, Engine, Registry, Settings};
 
 /// Finds walls and openings in scans, one after the other, in the calling thread. No files, no threads; buffers are reused.
 ///
@@ -43,7 +43,7 @@ impl Detector {
         Self::of(Engine::new(&config, registry), config)
     }
 
-    pub(crate) fn of(engine: Engine, config: Config) -> Self {
+    fn of(engine: Engine, config: Config) -> Self {
         Self { sensor: config.sensor(), engine, frame: Frame::default(), scans: 0, config }
     }
 
@@ -77,5 +77,16 @@ impl Detector {
     /// The configuration, whose text is TOML.
     pub fn config(&self) -> &Config {
         &self.config
+    }
+}
+
+impl Settings {
+    /// All of it: a scan in, its answer out.
+    ///
+    /// # Errors
+    /// As [`Settings::config`].
+    pub fn build(self) -> Result<Detector, ConfigError> {
+        let (engine, config) = self.engine_and_config()?;
+        Ok(Detector::of(engine, config))
     }
 }

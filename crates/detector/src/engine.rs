@@ -38,38 +38,12 @@ pub struct Engine {
     report: Worker,
 }
 
-/// The stages that come in several kinds, and what is known of them.
-pub(crate) struct Stages {
-    pub(crate) affinity: Box<dyn AffinityStage>,
-    /// The affinity needs beams, so that W has few entries in a row.
-    pub(crate) is_w_sparse: bool,
-    /// The solver takes no n×n matrix for such a W.
-    pub(crate) stays_sparse: bool,
-    /// The solver decomposes nothing, so that it takes no n×n matrix for any W.
-    pub(crate) finds_zeros_alone: bool,
-    /// All are of the program's own kinds, for which confidences were calibrated.
-    pub(crate) is_calibrated: bool,
-    pub(crate) spectral: Box<dyn SpectralStage>,
-    pub(crate) kmeans: Box<dyn KmeansStage>,
-}
-
-impl Stages {
-    /// Those that `config` chose.
-    pub(crate) fn chosen(config: &Config, registry: &Registry) -> Self {
-        let kind = config.kind(&registry.affinity);
-        let shipped = Registry::standard();
-        Self {
-            affinity: config.build(&registry.affinity),
-            is_w_sparse: kind.properties.needs_beams,
-            stays_sparse: config.kind(&registry.spectral).properties.stays_sparse,
-            finds_zeros_alone: config.kind(&registry.spectral).properties.eigenvalues == Eigenvalues::Zeros,
-            is_calibrated: is_among(kind, &shipped.affinity)
-                && is_among(config.kind(&registry.spectral), &shipped.spectral)
-                && is_among(config.kind(&registry.kmeans), &shipped.kmeans),
-            spectral: config.build(&registry.spectral),
-            kmeans: config.build(&registry.kmeans),
-        }
-    }
+/// Stages of a program of one's own, in place of those that the configuration chose.
+#[derive(Default)]
+pub(crate) struct OwnStages {
+    pub(crate) affinity: Option<Box<dyn AffinityStage>>,
+    pub(crate) spectral: Option<Box<dyn SpectralStage>>,
+    pub(crate) kmeans: Option<Box<dyn KmeansStage>>,
 }
 
 fn is_among<S: StageKind + ?Sized>(kind: &Kind<S>, kinds: &[Kind<S>]) -> bool {
@@ -84,20 +58,33 @@ impl Engine {
 
     /// One of `workers` engines that share this many frames, and the memory that `config` allows.
     pub fn for_many(config: &Config, registry: &Registry, frames: usize, workers: usize) -> Self {
-        Self::of(Stages::chosen(config, registry), config, frames, workers)
+        Self::of(OwnStages::default(), config, registry, [frames, workers])
     }
 
-    pub(crate) fn of(stages: Stages, config: &Config, frames: usize, workers: usize) -> Self {
-        let has_matrices = !(stages.finds_zeros_alone || stages.is_w_sparse && stages.stays_sparse);
-        let Stages { mut affinity, is_w_sparse, is_calibrated, mut spectral, mut kmeans, .. } = stages;
+    pub(crate) fn of(own: OwnStages, config: &Config, registry: &Registry, shared_by: [usize; 2]) -> Self {
+        let (affinity, solver) = (config.kind(&registry.affinity), config.kind(&registry.spectral).properties);
+        // W has few entries in a row if the affinity needs beams. A solver that stays sparse takes no n×n matrix for such a
+        // W, and one that decomposes nothing takes none for any.
+        let is_w_sparse = own.affinity.is_none() && affinity.properties.needs_beams;
+        let stays_sparse = solver.eigenvalues == Eigenvalues::Zeros || is_w_sparse && solver.stays_sparse;
+        let has_matrices = own.spectral.is_some() || !stays_sparse;
+        let shipped = Registry::standard();
+        // Confidences were calibrated for the kinds that ship.
+        let is_calibrated = own.affinity.is_none()
+            && own.spectral.is_none()
+            && own.kmeans.is_none()
+            && is_among(affinity, &shipped.affinity)
+            && is_among(config.kind(&registry.spectral), &shipped.spectral)
+            && is_among(config.kind(&registry.kmeans), &shipped.kmeans);
+        let mut affinity = own.affinity.unwrap_or_else(|| config.build(&registry.affinity));
+        let mut spectral = own.spectral.unwrap_or_else(|| config.build(&registry.spectral));
+        let mut kmeans = own.kmeans.unwrap_or_else(|| config.build(&registry.kmeans));
         let config_of_w = config.clone();
-        let mut reporter = Reporter::new(config.params("report"), config.params("vehicle"));
-        if !is_calibrated {
-            reporter = reporter.without_confidence();
-        }
+        let reporter = Reporter::new(config.params("report"), config.params("vehicle"));
+        let mut reporter = if is_calibrated { reporter } else { reporter.without_confidence() };
         Self {
             weigh: Worker::new(Step::Affinity, move |f| {
-                config_of_w.admit(f.revolution.len(), [frames, workers], is_w_sparse, has_matrices)?;
+                config_of_w.admit(f.revolution.len(), shared_by, is_w_sparse, has_matrices)?;
                 affinity.affinity(&f.revolution, &mut f.affinity, &mut f.notes)
             }),
             decompose: Worker::new(Step::Spectral, move |f| {
@@ -155,12 +142,12 @@ impl From<Engine> for [Worker; 4] {
 }
 
 /// Reads and writes the parts of a frame that belong to a stage.
-type Run = dyn FnMut(&mut Frame) -> Result<(), StageError> + Send;
+type Work = dyn FnMut(&mut Frame) -> Result<(), StageError> + Send;
 
 /// A stage with the parts of a frame that it reads and writes.
 pub struct Worker {
     step: Step,
-    run: Box<Run>,
+    run: Box<Work>,
 }
 
 impl Worker {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use crate::tables::Table;
-use crate::verdict::{Verdict, holm, listed, short, thousands};
+use crate::verdict::{SwapVerdict, holm, listed, short, thousands};
 
 /// At most this many spans of revolutions are named in a line.
 const SPANS: usize = 8;
@@ -31,7 +31,7 @@ pub struct Outcome {
     pub against: String,
     /// Over all families.
     #[serde(flatten)]
-    pub verdict: Verdict,
+    pub verdict: SwapVerdict,
     /// The p of the exact test of McNemar.
     pub p: f64,
     /// p with Holm's correction for all configurations.
@@ -47,7 +47,7 @@ pub struct FamilyOutcome {
     pub family: String,
     /// Of its revolutions.
     #[serde(flatten)]
-    pub verdict: Verdict,
+    pub verdict: SwapVerdict,
     /// The p of the exact test of McNemar.
     pub p: f64,
     /// The revolutions that it mends.
@@ -86,7 +86,7 @@ impl Experiment {
     fn outcome(&self, place: usize) -> Outcome {
         let families: Vec<FamilyOutcome> =
             self.families.iter().map(|(family, right)| FamilyOutcome::of(family, &right[0], &right[place])).collect();
-        let mut verdict = Verdict::default();
+        let mut verdict = SwapVerdict::default();
         families.iter().for_each(|family| verdict.merge(family.verdict));
         let (configuration, against) = (self.names[place].clone(), self.names[0].clone());
         Outcome { configuration, against, verdict, p: verdict.p(), p_holm: verdict.p(), families }
@@ -96,7 +96,7 @@ impl Experiment {
 impl FamilyOutcome {
     fn of(family: &str, first: &BTreeMap<u64, bool>, second: &BTreeMap<u64, bool>) -> Self {
         let both = || first.iter().filter_map(|(seq, a)| Some((*seq, [*a, *second.get(seq)?])));
-        let mut verdict = Verdict::default();
+        let mut verdict = SwapVerdict::default();
         both().for_each(|(_, right)| verdict.add(right));
         let those = |right: [bool; 2]| both().filter(|(_, of)| *of == right).map(|(seq, _)| seq).collect();
         let (mended, broken) = (those([false, true]), those([true, false]));
@@ -147,7 +147,7 @@ fn broken(family: &FamilyOutcome) -> &[u64] {
 pub fn tables(outcomes: &[Outcome]) -> Vec<Table> {
     let table = |outcome: &Outcome| {
         let row = |family: &FamilyOutcome| {
-            let Verdict { mends, breaks, of } = family.verdict;
+            let SwapVerdict { mends, breaks, of } = family.verdict;
             vec![family.family.clone(), thousands(mends), thousands(breaks), thousands(of), short(family.p)]
         };
         Table {
@@ -174,8 +174,8 @@ mod tests {
         experiment.add("bend", 0, 3, false); // that only the first answered
         let outcomes = experiment.outcomes();
         let [b, c] = &outcomes[..] else { panic!("two") };
-        assert_eq!(b.verdict, Verdict { mends: 5, breaks: 0, of: 10 });
-        assert_eq!((c.verdict, &c.families[0].broken[..]), (Verdict { mends: 0, breaks: 1, of: 10 }, &[5][..]));
+        assert_eq!(b.verdict, SwapVerdict { mends: 5, breaks: 0, of: 10 });
+        assert_eq!((c.verdict, &c.families[0].broken[..]), (SwapVerdict { mends: 0, breaks: 1, of: 10 }, &[5][..]));
         assert_eq!((b.p, b.p_holm, c.p_holm), (0.0625, 0.125, 1.0));
         assert_eq!(
             sentences(&outcomes),

@@ -76,7 +76,7 @@ impl Variants {
         let mut branches = Vec::new();
         for (place, config, tolerance) in falling {
             let widest = match tolerance {
-                Some(_) => &config.with("spectral", ZERO_TOLERANCE.spec.name, Value::Number(ALL_ARE_ZEROS)),
+                Some(_) => &config.with("spectral", ZERO_TOLERANCE.spec.name, Value::Float(ALL_ARE_ZEROS)),
                 None => config,
             };
             let [weigh, decompose, cluster, report] = Engine::new(widest, registry).into();

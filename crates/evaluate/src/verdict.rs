@@ -13,7 +13,7 @@ use serde::Serialize;
 
 /// What a second configuration makes better and worse.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Verdict {
+pub struct SwapVerdict {
     /// Revolutions that only the second answers right.
     pub mends: u64,
     /// Revolutions that only the first answers right.
@@ -22,7 +22,7 @@ pub struct Verdict {
     pub of: u64,
 }
 
-impl Verdict {
+impl SwapVerdict {
     /// Adds a revolution that the first, and the second, answers right or not.
     pub fn add(&mut self, right: [bool; 2]) {
         self.of += 1;
@@ -188,7 +188,7 @@ mod tests {
     #[test]
     fn p_is_that_of_an_independent_program() {
         for (mends, breaks, p) in SCIPY {
-            let ours = Verdict { mends, breaks, of: 0 }.p();
+            let ours = SwapVerdict { mends, breaks, of: 0 }.p();
             assert!((ours - p).abs() <= 1e-10 * p, "{mends} and {breaks}: {ours:e} instead of {p:e}");
         }
     }
@@ -206,9 +206,9 @@ mod tests {
 
     #[test]
     fn sentences_have_their_figures() {
-        let verdict = Verdict { mends: 119, breaks: 57, of: 3000 };
+        let verdict = SwapVerdict { mends: 119, breaks: 57, of: 3000 };
         assert_eq!(verdict.sentence("B", None), "B mends 119 and breaks 57 of 3,000 (exact McNemar p = 3e-6)");
-        let none = Verdict { of: 7, ..Verdict::default() };
+        let none = SwapVerdict { of: 7, ..SwapVerdict::default() };
         assert_eq!(
             none.sentence("B", Some(1.0)),
             "B mends 0 and breaks 0 of 7 (exact McNemar p = 1, 1 with Holm's correction)"

@@ -1,6 +1,6 @@
 //! The edges that decide a count.
 
-use crosscut_stage::{Frame, Weights};
+use crosscut_stage::Frame;
 
 use crate::bottleneck::Bottlenecks;
 use crate::change::{self, Change};
@@ -24,7 +24,7 @@ impl Explanation {
         let walls = walls_of(frame);
         let weights = &frame.affinity.weights;
         let bottlenecks = Bottlenecks::of(weights, &walls);
-        let walls = Sums::of(frame, &walls, &bottlenecks.first_side).into_edges(bottlenecks);
+        let walls = edges_of(&sums_of(frame, walls.len(), &bottlenecks.first_side), bottlenecks);
         let changes = change::changes(frame, &walls);
         let apart = walls.len() > 1 && walls.iter().all(|wall| wall.strongest.is_none());
         let closest = apart.then(|| closest::pair(frame)).flatten();
@@ -54,70 +54,61 @@ fn walls_of(frame: &Frame) -> Vec<Vec<usize>> {
     returns
 }
 
-/// Cuts and volumes, by wall.
+/// Cuts and volumes of one wall.
+#[derive(Clone, Default)]
 struct Sums {
     /// Sum of the weights across the weakest edge.
-    inner_cut: Vec<f64>,
+    inner_cut: f64,
     /// Sum of the degrees on the other side of the weakest edge, and on the first.
-    side_volumes: Vec<[f64; 2]>,
+    side_volumes: [f64; 2],
     /// Sum of the weights to all other walls.
-    outer_cut: Vec<f64>,
-    strongest: Vec<Option<(u32, Edge)>>,
+    outer_cut: f64,
+    strongest: Option<(u32, Edge)>,
 }
 
-impl Sums {
-    fn of(frame: &Frame, walls: &[Vec<usize>], first_side: &[bool]) -> Self {
-        let mut sums = Self {
-            inner_cut: vec![0.0; walls.len()],
-            side_volumes: vec![[0.0; 2]; walls.len()],
-            outer_cut: vec![0.0; walls.len()],
-            strongest: vec![None; walls.len()],
-        };
-        if walls.is_empty() {
-            return sums;
+/// The sums of each of `walls` walls; each pair of returns occurs twice in W, once for either return.
+fn sums_of(frame: &Frame, walls: usize, first_side: &[bool]) -> Vec<Sums> {
+    let mut sums = vec![Sums::default(); walls];
+    if walls == 0 {
+        return sums;
+    }
+    let wall_of = &frame.junction.wall_of_return;
+    for (i, degree) in frame.affinity.degrees.iter().enumerate() {
+        if let Some(wall) = wall_of[i] {
+            sums[wall as usize].side_volumes[usize::from(first_side[i])] += degree;
         }
-        let wall_of = &frame.junction.wall_of_return;
-        for (i, degree) in frame.affinity.degrees.iter().enumerate() {
-            if let Some(wall) = wall_of[i] {
-                sums.side_volumes[wall as usize][usize::from(first_side[i])] += degree;
+    }
+    frame.affinity.weights.for_each(|i, j, weight| {
+        let (Some(own), Some(other)) = (wall_of[i], wall_of[j]) else { return };
+        let Sums { inner_cut, outer_cut, strongest, .. } = &mut sums[own as usize];
+        if own != other {
+            *outer_cut += weight;
+            if weight > strongest.map_or(0.0, |(_, edge)| edge.weight) {
+                *strongest = Some((other, Edge { returns: [i, j], weight }));
             }
+        } else if first_side[i] && !first_side[j] {
+            *inner_cut += weight;
         }
-        sums.add_weights(&frame.affinity.weights, wall_of, first_side);
-        sums
-    }
+    });
+    sums
+}
 
-    /// Adds every weight. Each pair of returns occurs twice, once for either return.
-    fn add_weights(&mut self, weights: &Weights, wall_of: &[Option<u32>], first_side: &[bool]) {
-        weights.for_each(|i, j, weight| {
-            let (Some(own), Some(other)) = (wall_of[i], wall_of[j]) else { return };
-            let wall = own as usize;
-            if own != other {
-                self.outer_cut[wall] += weight;
-                if weight > self.strongest[wall].map_or(0.0, |(_, edge)| edge.weight) {
-                    self.strongest[wall] = Some((other, Edge { returns: [i, j], weight }));
-                }
-            } else if first_side[i] && !first_side[j] {
-                self.inner_cut[wall] += weight;
-            }
-        });
-    }
-
-    fn into_edges(self, bottlenecks: Bottlenecks) -> Vec<WallEdges> {
-        let all: f64 = self.side_volumes.iter().flatten().sum();
-        let walls = bottlenecks.edges.into_iter().zip(bottlenecks.parts).enumerate();
-        let of_wall = |(wall, (weakest, parts)): (usize, (Option<Edge>, usize))| {
-            let [one, other] = self.side_volumes[wall];
-            WallEdges {
-                wall: u32::try_from(wall).unwrap_or(u32::MAX),
-                weakest,
-                parts,
-                breaks_at: quotient(self.inner_cut[wall], one, other),
-                strongest: self.strongest[wall],
-                parts_at: quotient(self.outer_cut[wall], one + other, all - one - other),
-            }
-        };
-        walls.map(of_wall).collect()
-    }
+/// The edges of each wall, with the quotients that they make.
+fn edges_of(sums: &[Sums], bottlenecks: Bottlenecks) -> Vec<WallEdges> {
+    let all: f64 = sums.iter().flat_map(|of_wall| of_wall.side_volumes).sum();
+    let walls = (0..).zip(sums).zip(bottlenecks.edges.into_iter().zip(bottlenecks.parts));
+    let of_wall = |((wall, of_wall), (weakest, parts)): ((u32, &Sums), (Option<Edge>, usize))| {
+        let [one, other] = of_wall.side_volumes;
+        WallEdges {
+            wall,
+            weakest,
+            parts,
+            breaks_at: quotient(of_wall.inner_cut, one, other),
+            strongest: of_wall.strongest,
+            parts_at: quotient(of_wall.outer_cut, one + other, all - one - other),
+        }
+    };
+    walls.map(of_wall).collect()
 }
 
 /// q(A, B); 0 if a side is empty.

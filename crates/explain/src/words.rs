@@ -28,7 +28,7 @@ impl Explanation {
         let words = Words { frame, color_of };
         let mut paragraphs = vec![words.count(), words.inequality()];
         paragraphs.extend(self.changes.iter().map(|change| words.change(change)));
-        paragraphs.extend(words.widths());
+        paragraphs.extend(frame.affinity.holds_for_width_m.map(|m| widths(frame.junction.junctions, m)));
         paragraphs.extend(words.gaps());
         paragraphs.extend(words.verdicts());
         paragraphs.extend(words.walls(self));
@@ -62,11 +62,6 @@ impl Words<'_> {
             text += &format!(" k also counts {}.", beside.join(" and "));
         }
         text
-    }
-
-    /// For which widths of the vehicle the count stays the same.
-    fn widths(&self) -> Option<String> {
-        Some(widths(self.frame.junction.junctions, self.frame.affinity.holds_for_width_m?))
     }
 
     /// The inequality that gives k, and the margin.

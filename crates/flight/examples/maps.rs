@@ -104,7 +104,7 @@ fn fly(name: &str, seed: u64, engine: &mut Engine, sums: &mut [Sum]) -> Result<(
 fn follower(drift: Option<f64>, mine: &TruthMap) -> Result<(Flight, Mapper, FlightScore), Box<dyn Error>> {
     let mut params = Params::defaults(PARAMS);
     let kind = if drift.is_some() { "auto" } else { "scan_match" };
-    params.set("pose", Value::Text(kind.into()))?;
+    params.set("pose", Value::String(kind.into()))?;
     Ok((Flight::new(&params, 0.6), Mapper::default(), FlightScore::new(mine)))
 }
 

@@ -11,7 +11,7 @@ fn a_reader_that_is_stopped_gives_what_it_has_read() {
     let row = "1.0,2.0,3.0,4.0,5.0,5.5,2.0,1.0,".repeat(45).trim_end_matches(',').to_owned() + "\n";
     std::fs::write(&path, row.repeat(4000)).expect("written");
     let mut params = Params::defaults(CSV_PARAMS);
-    params.set("last_rad", Value::Number(3.0)).expect("allowed");
+    params.set("last_rad", Value::Float(3.0)).expect("allowed");
     let options = ReadOptions { csv: CsvGeometry::new(&params), ..ReadOptions::default() };
     let mut recording = Recording::open(std::slice::from_ref(&path), &options, Sensor::default()).expect("a table");
     let next = |recording: &mut Recording| {

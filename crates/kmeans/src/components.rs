@@ -1,7 +1,8 @@
 //! `components`: one cluster per column of a U whose columns have no row in common.
 
 use crosscut_stage::NoteCode::{N076, N077};
-use crosscut_stage::{Count, Embedding, Kind, KmeansStage, Notes, Partition, Spectrum, StageError, counted};
+use crosscut_stage::{Count, Kind, KmeansStage, Notes, Partition, Spectrum, StageError, counted};
+use faer::Mat;
 
 use crate::kmeans_plus_plus::KmeansPlusPlus;
 use crate::no_zeros::without_clusters;
@@ -15,12 +16,14 @@ const MIN_CLUSTER: Count = Count::new("min_cluster", "returns", 1)
 
 /// The column of a return whose row is 0.
 const NO_COLUMN: u32 = u32::MAX;
+/// Entries of U that are compared with 0 together: as a rule a column belongs to one wall and is 0 for long stretches.
+const CHUNK: usize = 8;
 
 /// Clusters without k-means.
 pub const KIND: Kind<dyn KmeansStage> = Kind::kmeans(
     "components",
     "a cluster for each connected component, read off a U whose columns share no row",
-    |params| Box::new(Components { min_cluster: params.get(MIN_CLUSTER), ..Components::default() }),
+    |params| Box::new(ColumnClusters { min_cluster: params.get(MIN_CLUSTER), ..ColumnClusters::default() }),
 )
 .params(&[MIN_CLUSTER.spec]);
 
@@ -30,7 +33,7 @@ pub const KIND: Kind<dyn KmeansStage> = Kind::kmeans(
 ///
 /// Clusters of fewer than `min_cluster` returns are left out, with a note.
 #[derive(Default)]
-struct Components {
+struct ColumnClusters {
     min_cluster: usize,
     /// The column of each return, and what stands there.
     columns: Vec<u32>,
@@ -43,12 +46,12 @@ struct Components {
     mixed: KmeansPlusPlus,
 }
 
-impl Components {
+impl ColumnClusters {
     /// Fills `columns`, `entries`, `sizes` and `means`, unless a row has not exactly one entry.
     ///
     /// # Errors
     /// When an entry is not finite.
-    fn read_columns(&mut self, u: &Embedding) -> Result<bool, StageError> {
+    fn read_columns(&mut self, u: &Mat<f64>) -> Result<bool, StageError> {
         let Self { columns, entries, sizes, means, .. } = self;
         columns.clear();
         columns.resize(u.nrows(), NO_COLUMN);
@@ -58,13 +61,20 @@ impl Components {
         means.clear();
         means.resize(u.ncols(), 0.0);
         let (mut shared, mut finite) = (false, true);
-        u.for_each_nonzero(|i, j, entry| {
-            finite &= entry.is_finite();
-            shared |= columns[i] != NO_COLUMN;
-            (columns[i], entries[i]) = (j as u32, entry);
-            sizes[j] += 1;
-            means[j] += entry;
-        });
+        for j in 0..u.ncols() {
+            for (start, values) in (0..).step_by(CHUNK).zip(u.col_as_slice(j).chunks(CHUNK)) {
+                if values.iter().fold(true, |zero, &value| zero & (value == 0.0)) {
+                    continue;
+                }
+                for (i, &entry) in (start..).zip(values).filter(|(_, value)| **value != 0.0) {
+                    finite &= entry.is_finite();
+                    shared |= columns[i] != NO_COLUMN;
+                    (columns[i], entries[i]) = (j as u32, entry);
+                    sizes[j] += 1;
+                    means[j] += entry;
+                }
+            }
+        }
         if !finite {
             return Err(not_finite(u));
         }
@@ -86,7 +96,7 @@ impl Components {
     }
 }
 
-impl KmeansStage for Components {
+impl KmeansStage for ColumnClusters {
     fn partition(&mut self, spectrum: &Spectrum, out: &mut Partition, notes: &mut Notes) -> Result<(), StageError> {
         check_columns(spectrum)?;
         let (n, k) = (spectrum.u.nrows(), spectrum.u.ncols());
@@ -111,15 +121,12 @@ impl KmeansStage for Components {
         out.labels.clear();
         out.labels.extend(self.columns.iter().map(|&column| numbers[column as usize]));
         out.clusters = numbers.iter().flatten().count();
-        let mut column_of_cluster = vec![0; out.clusters];
-        for (column, number) in (0u32..).zip(&numbers) {
-            number.iter().for_each(|&number| column_of_cluster[number as usize] = column);
-        }
         // The mean of the rows of a cluster is not 0 in its column only.
-        out.centroids.write_rows(out.clusters, k, |cluster, row| {
-            let column = column_of_cluster[cluster];
-            row.push((column, self.means[column as usize]));
-        });
+        out.centroids.resize_with(out.clusters, k, |_, _| 0.0);
+        out.centroids.fill(0.0);
+        for (column, number) in numbers.iter().enumerate() {
+            number.iter().for_each(|&number| out.centroids[(number as usize, column)] = self.means[column]);
+        }
         let distance = |((&column, entry), label): ((&u32, &f64), &Option<u32>)| {
             label.map_or(0.0, |_| (entry - self.means[column as usize]).powi(2))
         };

@@ -107,11 +107,11 @@ impl KmeansStage for KmeansPlusPlus {
         out.labels.extend(labels.iter().map(|&label| numbers[label as usize]));
         out.clusters = numbers.iter().flatten().count();
         out.inertia = self.best.inertia();
-        let ordered = out.centroids.make_dense(out.clusters, k);
+        out.centroids.resize_with(out.clusters, k, |_, _| 0.0);
         for (number, centroid) in numbers.iter().zip(centroids.chunks_exact(k)) {
             if let Some(number) = number {
                 for (j, &x) in centroid.iter().enumerate() {
-                    ordered[(*number as usize, j)] = x;
+                    out.centroids[(*number as usize, j)] = x;
                 }
             }
         }

@@ -16,7 +16,7 @@
 //! use crosscut_stage::{KmeansStage, Notes, Partition, Spectrum};
 //!
 //! let u = faer::mat![[0.7, 0.0], [0.0, 1.0], [0.7, 0.0]];
-//! let spectrum = Spectrum { k: 2, u: u.into(), ..Spectrum::default() };
+//! let spectrum = Spectrum { k: 2, u, ..Spectrum::default() };
 //! let mut partition = Partition::default();
 //! let mut stage = kmeans_plus_plus::KIND.with(&[("restarts", 5.into())])?;
 //! stage.partition(&spectrum, &mut partition, &mut Notes::default())?;

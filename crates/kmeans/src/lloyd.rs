@@ -125,7 +125,7 @@ mod tests {
     fn rows(values: &[[f64; 2]]) -> Rows {
         let u = Mat::from_fn(values.len(), 2, |i, j| values[i][j]);
         let mut rows = Rows::default();
-        rows.copy_from(&Spectrum { k: 2, u: u.into(), ..Spectrum::default() }).expect("finite");
+        rows.copy_from(&Spectrum { k: 2, u, ..Spectrum::default() }).expect("finite");
         rows
     }
 

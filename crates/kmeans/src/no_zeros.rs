@@ -11,5 +11,5 @@ pub(crate) fn without_clusters(n: usize, k: usize, out: &mut Partition, notes: &
     (out.clusters, out.inertia) = (0, 0.0);
     out.labels.clear();
     out.labels.resize(n, None);
-    out.centroids.make_dense(0, k);
+    out.centroids.resize_with(0, k, |_, _| 0.0);
 }

@@ -1,11 +1,10 @@
 //! U by rows: one point of Rᵏ per return.
 
-use crosscut_stage::{Embedding, Spectrum, StageError};
+use crosscut_stage::{Spectrum, StageError};
+use faer::Mat;
 
-/// Larger matrices are refused.
-const MOST_BYTES: u64 = 1 << 28;
-/// Larger n·k² are refused, too: each restart takes up to ten times as many operations, which are minutes without an end
-/// by Ctrl-C.
+/// Larger n·k² are refused: each restart takes up to ten times as many operations, which are minutes without an end by
+/// Ctrl-C.
 const MOST_OPERATIONS: u64 = 10_000_000_000;
 
 /// n points of Rᵏ, one after the other, in a buffer that is used again.
@@ -20,17 +19,17 @@ impl Rows {
     /// Takes the rows of U.
     ///
     /// # Errors
-    /// When U has not k columns, has a value that is not finite, would take more than 256 MB, or too much time.
+    /// When U has not k columns, has a value that is not finite, or would take too much time.
     pub(crate) fn copy_from(&mut self, spectrum: &Spectrum) -> Result<(), StageError> {
         check_columns(spectrum)?;
         let u = &spectrum.u;
-        if !u.is_finite() {
+        if !u.is_all_finite() {
             return Err(not_finite(u));
         }
         (self.n, self.k) = (u.nrows(), u.ncols());
         let numbers = (self.n as u64).saturating_mul(self.k as u64);
         let (bytes, operations) = (numbers.saturating_mul(8), numbers.saturating_mul(self.k as u64));
-        if bytes > MOST_BYTES || operations > MOST_OPERATIONS {
+        if operations > MOST_OPERATIONS {
             return Err(StageError::TooLarge(format!(
                 "k-means on {}x{} numbers of U would need {} MB and more than {:.0e} operations: kmeans \
                  `components` needs neither",
@@ -43,7 +42,7 @@ impl Rows {
         self.values.clear();
         self.values.resize(self.n * self.k, 0.0);
         for i in 0..self.n {
-            u.row(i).for_each(|(j, value)| self.values[i * self.k + j] = value);
+            (0..self.k).for_each(|j| self.values[i * self.k + j] = u[(i, j)]);
         }
         Ok(())
     }
@@ -82,8 +81,8 @@ pub(crate) fn check_columns(spectrum: &Spectrum) -> Result<(), StageError> {
 }
 
 /// Says which row of U has a value that is not finite.
-pub(crate) fn not_finite(u: &Embedding) -> StageError {
-    let index = (0..u.nrows()).find(|&i| u.row(i).any(|(_, value)| !value.is_finite())).unwrap_or_default();
+pub(crate) fn not_finite(u: &Mat<f64>) -> StageError {
+    let index = (0..u.nrows()).find(|&i| !u.row(i).is_all_finite()).unwrap_or_default();
     StageError::NotFinite { what: "the embedding U", index }
 }
 

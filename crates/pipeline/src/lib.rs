@@ -18,6 +18,7 @@ mod stream;
 mod summary;
 
 pub use note_counts::{NoteCount, NoteCounts};
+pub use quantiles::Quantiles;
 pub use stop::StopFlag;
 pub use stream::{ResultsSink, StreamOptions, stream};
-pub use summary::{Answers, End, StageTimes, Summary};
+pub use summary::{Answers, RunEnd, StageTimes, Summary};

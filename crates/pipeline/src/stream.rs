@@ -17,7 +17,7 @@ use crosscut_stage::{Failure, FailureCause, Frame, Observer, Source, Step};
 
 use crate::pace::Pace;
 use crate::stop::StopFlag;
-use crate::summary::{End, Summary};
+use crate::summary::{RunEnd, Summary};
 
 /// Where results go: called once per revolution, in order, on the report thread.
 pub type ResultsSink<'a> = dyn FnMut(&Frame) -> io::Result<()> + Send + 'a;
@@ -90,8 +90,8 @@ pub fn stream(
         let mut summary = collect.join().expect("the report thread catches panics");
         summary.observer_errors = observing.join().expect("the observer thread catches panics");
         let stopped_early = ingest.join().expect("the ingest thread catches panics");
-        if stopped_early && matches!(summary.end, End::Complete) {
-            summary.end = End::Interrupted;
+        if stopped_early && matches!(summary.end, RunEnd::Complete) {
+            summary.end = RunEnd::Interrupted;
         }
         Ok(summary)
     })
@@ -195,13 +195,13 @@ struct Collect<'a> {
 impl Collect<'_> {
     fn run(mut self) -> Summary {
         let mut summary = Summary::default();
-        summary.end = self.collect(&mut summary).err().unwrap_or(End::Complete);
+        summary.end = self.collect(&mut summary).err().unwrap_or(RunEnd::Complete);
         self.ended.set(); // ingest may be waiting for its next revolution to be due
         summary
     }
 
     /// Takes frames up to the last, or up to one that fails.
-    fn collect(&mut self, summary: &mut Summary) -> Result<(), End> {
+    fn collect(&mut self, summary: &mut Summary) -> Result<(), RunEnd> {
         for lane in (0..self.lanes.len()).cycle() {
             let Ok(arrived) = self.lanes[lane].recv() else { break };
             self.finish(arrived, summary)?;
@@ -210,14 +210,14 @@ impl Collect<'_> {
     }
 
     /// Finishes a frame: its results are written, then it goes to the observers.
-    fn finish(&mut self, Arrived { mut frame, due }: Arrived, summary: &mut Summary) -> Result<(), End> {
+    fn finish(&mut self, Arrived { mut frame, due }: Arrived, summary: &mut Summary) -> Result<(), RunEnd> {
         // Frames come from a pool: without a flight, nothing of an earlier one stays.
         frame.extra.clear();
         frame.timings.flight_ns = None;
         if self.report.work(&mut frame).and_then(|()| self.fly(&mut frame)).is_err() {
             return Err(self.fail(frame));
         }
-        self.write(&frame).map_err(End::ResultsLost)?;
+        self.write(&frame).map_err(RunEnd::ResultsLost)?;
         // A recorded scan is read before it is due, a live one after.
         let latency_ns = elapsed_ns(due).saturating_add(frame.timings.ns(Step::Ingest));
         frame.timings.latency_ns = Some(latency_ns);
@@ -227,12 +227,12 @@ impl Collect<'_> {
     }
 
     /// The failure of a frame, which observers see unless there is no revolution in it.
-    fn fail(&mut self, frame: Frame) -> End {
+    fn fail(&mut self, frame: Frame) -> RunEnd {
         let failure = frame.failure.clone().expect("it failed");
         if failure.step != Step::Ingest {
             self.observers.send(frame).ok(); // they only end when this does
         }
-        End::Failed(failure)
+        RunEnd::Failed(failure)
     }
 
     /// Adds what the flight shows, and the time that takes. A failure is left in the frame.

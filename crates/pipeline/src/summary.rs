@@ -12,7 +12,7 @@ use crate::quantiles::Quantiles;
 pub struct Summary {
     /// Revolutions whose results were written.
     pub revolutions: u64,
-    /// Those with each number of junctions.
+    /// Revolutions with each number of junctions.
     pub junctions: BTreeMap<usize, Answers>,
     /// How their gaps are known.
     pub gaps: KnownGaps,
@@ -23,7 +23,7 @@ pub struct Summary {
     /// Time of each step.
     pub times: StageTimes,
     /// How the run ended.
-    pub end: End,
+    pub end: RunEnd,
     /// Observers that gave up on the way, and why.
     pub observer_errors: Vec<String>,
 }
@@ -33,19 +33,19 @@ pub struct Summary {
 pub struct Answers {
     /// All of them.
     pub revolutions: u64,
-    /// Those with a confidence of [`SURE`] or more.
+    /// Revolutions with a confidence of [`SURE`] or more.
     pub sure: u64,
-    /// Those with a confidence.
+    /// Revolutions with a confidence.
     pub rated: u64,
 }
 
 /// How a run ended. What was written before stays.
 #[derive(Debug, Default)]
-pub enum End {
+pub enum RunEnd {
     /// The source was read to its end.
     #[default]
     Complete,
-    /// It was asked to stop.
+    /// The run was asked to stop.
     Interrupted,
     /// A step failed on a revolution; every revolution before it was written.
     Failed(Failure),
@@ -53,30 +53,18 @@ pub enum End {
     ResultsLost(std::io::Error),
 }
 
-/// Time per step over a run, and latency.
+/// Times of each step over a run and latency, nanoseconds.
 #[derive(Debug, Default)]
 pub struct StageTimes {
-    steps: [Quantiles; Step::ALL.len()],
-    flight: Quantiles,
-    latency: Quantiles,
+    /// Of each step, in the order of [`Step::ALL`].
+    pub steps: [Quantiles; Step::ALL.len()],
+    /// Of the flight.
+    pub flight: Quantiles,
+    /// From a scan's arrival to its written results.
+    pub latency: Quantiles,
 }
 
 impl StageTimes {
-    /// Median and 99th percentile of a step in nanoseconds, nearest rank, to 1 %; `None` if it never ran.
-    pub fn median_and_p99_ns(&self, step: Step) -> Option<(u64, u64)> {
-        self.steps[step as usize].median_and_p99()
-    }
-
-    /// Median and 99th percentile of the time of the flight, as above.
-    pub fn flight_median_and_p99_ns(&self) -> Option<(u64, u64)> {
-        self.flight.median_and_p99()
-    }
-
-    /// Median and 99th percentile of the time from a scan's arrival to its written results, as above.
-    pub fn latency_median_and_p99_ns(&self) -> Option<(u64, u64)> {
-        self.latency.median_and_p99()
-    }
-
     fn add(&mut self, frame: &Frame) {
         for step in Step::ALL {
             self.steps[step as usize].add(frame.timings.ns(step));

@@ -1,7 +1,8 @@
 //! λ, τ, k and U: exact values, and a chart in which "why 4 and not 3" can be seen.
 
 use crosscut_explain::inequality;
-use crosscut_stage::{Embedding, Frame, Spectrum};
+use crosscut_stage::{Frame, Spectrum};
+use faer::Mat;
 use rerun::{
     AsComponents, BarChart, LineStrips2D, LineStrips3D, Points2D, Points3D, Radius, RecordingStream,
     RecordingStreamResult, Scalars, TensorBuffer, TensorData,
@@ -13,7 +14,7 @@ use crate::schema::{
     SPECTRAL_AXES, SPECTRAL_CHART, SPECTRAL_CHART_AXIS, SPECTRAL_EIGENVALUES, SPECTRAL_EMBEDDING, SPECTRAL_K,
     SPECTRAL_MARGIN, SPECTRAL_TOLERANCE, SPECTRAL_U,
 };
-use crate::tensors::{entries, f16_matrix, rows_of};
+use crate::tensors::{f16_matrix, rows_of};
 use crate::tracks::Classes;
 
 /// Lower end of the chart. Rounding leaves zeros at about 1e-16.
@@ -71,10 +72,7 @@ pub(crate) fn log(rows: &mut Rows, frame: &Frame) {
 pub(crate) fn log_embedding(rows: &mut Rows, frame: &Frame, classes: &Classes, scale: f64) {
     let spectrum = &frame.spectrum;
     let (n, k) = (spectrum.u.nrows(), spectrum.u.ncols());
-    let exact = match &spectrum.u {
-        Embedding::Sparse { .. } => entries(&spectrum.u, SPECTRAL_U.dims),
-        u => f16_matrix(rows_of(u), [n, k], SPECTRAL_U.dims),
-    };
+    let exact = f16_matrix(rows_of(&spectrum.u), [n, k], SPECTRAL_U.dims);
     rows.log_tensor(&SPECTRAL_U, exact, &[]);
     let wall_of = |i: usize| frame.junction.wall_of_return.get(i).copied().flatten();
     let points = (0..n).map(|i| drawn_row(&spectrum.u, i, scale));
@@ -82,14 +80,14 @@ pub(crate) fn log_embedding(rows: &mut Rows, frame: &Frame, classes: &Classes, s
 }
 
 /// The factor that scales the farthest row of U to length 1 in drawings.
-pub(crate) fn embedding_scale(u: &Embedding) -> f64 {
+pub(crate) fn embedding_scale(u: &Mat<f64>) -> f64 {
     let norm = |i: usize| (0..u.ncols().min(3)).map(|j| u[(i, j)].powi(2)).sum::<f64>().sqrt();
     let farthest = (0..u.nrows()).map(norm).fold(0.0, f64::max);
     if farthest > 0.0 { farthest.recip() } else { 1.0 }
 }
 
 /// The first three columns of row `i`, or 0 for those that do not exist. They are rounded: equal points take less space.
-pub(crate) fn drawn_row(rows: &Embedding, i: usize, scale: f64) -> [f32; 3] {
+pub(crate) fn drawn_row(rows: &Mat<f64>, i: usize, scale: f64) -> [f32; 3] {
     let drawn = |value: f64| ((value * scale / DRAWN_STEP).round() * DRAWN_STEP) as f32;
     std::array::from_fn(|j| if j < rows.ncols() { drawn(rows[(i, j)]) } else { 0.0 })
 }

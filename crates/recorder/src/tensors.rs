@@ -1,6 +1,6 @@
 //! Values as tensors with named dimensions.
 
-use crosscut_stage::Embedding;
+use faer::Mat;
 use rerun::external::arrow::datatypes::{ArrowPrimitiveType, Float16Type};
 use rerun::{TensorBuffer, TensorData};
 
@@ -40,23 +40,13 @@ pub(crate) fn f64_matrix(values: Vec<f64>, shape: [usize; 2], dims: Dims) -> Ten
 }
 
 /// The values of `m`, row by row.
-pub(crate) fn rows_of(m: &Embedding) -> impl Iterator<Item = f64> {
+pub(crate) fn rows_of(m: &Mat<f64>) -> impl Iterator<Item = f64> {
     (0..m.nrows()).flat_map(move |i| (0..m.ncols()).map(move |j| m[(i, j)]))
 }
 
-/// Row, column and value of each stored entry of `m`.
-pub(crate) fn entries(m: &Embedding, dims: Dims) -> TensorData {
-    let row = |i: usize| m.row(i).flat_map(move |(j, value)| [i as f64, j as f64, value]);
-    let values: Vec<f64> = (0..m.nrows()).flat_map(row).collect();
-    tensor(&[values.len() / 3, 3], TensorBuffer::F64(values.into()), &["entry", &format!("{}, value", dims.join(", "))])
-}
-
-/// All values of a dense matrix, or the stored entries of a sparse one.
-pub(crate) fn f64_rows(m: &Embedding, dims: Dims) -> TensorData {
-    match m {
-        Embedding::Sparse { .. } => entries(m, dims),
-        dense => f64_matrix(rows_of(dense).collect(), [m.nrows(), m.ncols()], dims),
-    }
+/// All values of `m`.
+pub(crate) fn f64_rows(m: &Mat<f64>, dims: Dims) -> TensorData {
+    f64_matrix(rows_of(m).collect(), [m.nrows(), m.ncols()], dims)
 }
 
 fn tensor(shape: &[usize], buffer: TensorBuffer, dims: Dims) -> TensorData {

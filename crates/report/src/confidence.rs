@@ -19,12 +19,12 @@ use std::f64::consts::{FRAC_PI_4, TAU};
 use crosscut_stage::{Junction, Opening, Revolution, Verdict, Wall, wrap_angle_rad};
 
 use crate::odds;
-use crate::openings::{self, Edge};
-use crate::outline::Outline;
+use crate::openings::{self, FreeEdge};
+use crate::wall_ring::WallRing;
 
 /// Clearances are limited to these multiples of the vehicle's width.
 const CLEARANCES: [f64; 2] = [0.2, 15.0];
-/// What the odds of the gaps say is limited to this, and 1 less this.
+/// The probability of the answer by the odds of its gaps is limited to this, and to 1 less this.
 const LEAST_ODDS: f64 = 1e-4;
 /// Openings that are this far apart, or farther, are clearly apart.
 const APART_RAD: f64 = FRAC_PI_4;
@@ -83,14 +83,14 @@ impl Grounds {
     ) -> Option<Self> {
         let of_no_island = |wall: &Option<u32>| wall.filter(|&id| !answer.walls[id as usize].island);
         let wall_of_return: Vec<_> = answer.wall_of_return.iter().map(of_no_island).collect();
-        let mut outline = Outline::default();
+        let mut outline = WallRing::default();
         outline.fill(revolution, revolution.beams()?, &wall_of_return).ok()?;
         Self::on(&outline, revolution, verdicts, vehicle_width_m, margin_decades, answer)
     }
 
     /// The grounds of an answer, from the outline of its walls that are no islands; `None` without one.
-    fn on(
-        outline: &Outline,
+    pub(crate) fn on(
+        outline: &WallRing,
         revolution: &Revolution,
         verdicts: &[Verdict],
         vehicle_width_m: f64,
@@ -123,7 +123,7 @@ impl Grounds {
         grounds.apart_rad = apart_rad(bearings_rad);
         // No opening within a wall is narrower than the vehicle.
         let others =
-            Edge::all(outline, vehicle_width_m).filter(|edge| !is_at_opening(edge.returns(), &answer.openings));
+            FreeEdge::all(outline, vehicle_width_m).filter(|edge| !is_at_opening(edge.returns(), &answer.openings));
         for edge in others {
             if edge.is_between_walls() {
                 // It counts although it may be too narrow for an opening.
@@ -152,6 +152,11 @@ impl Grounds {
             (self.apart_rad.min(APART_RAD), (self.longest_island_m / vehicle_width_m).min(MOST_ISLAND));
         [1.0, (odds / (1.0 - odds)).ln(), opening, gap, apart, island, margin]
     }
+
+    /// β·x, for a vehicle of this width: the log odds of a right answer.
+    pub(crate) fn log_odds(&self, vehicle_width_m: f64) -> f64 {
+        BETA.iter().zip(self.inputs(vehicle_width_m)).map(|(beta, x)| beta * x).sum()
+    }
 }
 
 /// The length of the longest island, from end to end.
@@ -169,24 +174,6 @@ fn apart_rad(mut bearings_rad: Vec<f64>) -> f64 {
     if bearings_rad.len() < 2 { std::f64::consts::PI } else { apart.fold(std::f64::consts::PI, f64::min) }
 }
 
-/// The share of right answers among those on such grounds; 0 without any. `outline` holds the walls that are no
-/// islands, and [`remains`] is given.
-pub(crate) fn of_scene(
-    revolution: &Revolution,
-    verdicts: &[Verdict],
-    outline: &Outline,
-    remains: f64,
-    vehicle_width_m: f64,
-    margin_decades: Option<f64>,
-    answer: &Junction,
-) -> f64 {
-    let grounds = Grounds::on(outline, revolution, verdicts, vehicle_width_m, margin_decades, answer);
-    grounds.map_or(0.0, |grounds| {
-        let logit: f64 = BETA.iter().zip(grounds.inputs(vehicle_width_m)).map(|(beta, x)| beta * x).sum();
-        remains / (1.0 + (-logit).exp())
-    })
-}
-
 /// What remains of the share of right answers where returns are this far apart, and if a gap in a wall could be a doorway.
 pub(crate) fn remains(spacing_rad: f64, may_have_doorway: bool) -> f64 {
     of_spacing(spacing_rad) * if may_have_doorway { OF_DOORWAY } else { 1.0 }
@@ -201,10 +188,10 @@ pub(crate) fn of_smallest_wall(walls: &[Wall]) -> f64 {
 
 /// The average angle from one return of a wall to the next: more than that of the beams where some are lost. Beams into
 /// openings are not lost.
-pub(crate) fn spacing_rad(outline: &Outline, openings: &[Opening]) -> f64 {
+pub(crate) fn spacing_rad(outline: &WallRing, openings: &[Opening]) -> f64 {
     let ring = &outline.ring;
     let [mut beams, mut spacings] = [0, 0];
-    for [from, to] in outline.pairs().filter(|[from, to]| from != to && outline.wall(*from) == outline.wall(*to)) {
+    for [from, to] in outline.pairs_within_walls() {
         let apart = ring.beams_from(from, to);
         if apart == 1 || !is_at_opening([from, to].map(|at| ring.returns[at].number), openings) {
             (beams, spacings) = (beams + apart, spacings + 1);
@@ -269,12 +256,10 @@ mod tests {
     }
 
     #[test]
-    fn an_answer_without_walls_or_without_beams_is_not_sure_at_all() {
+    fn an_answer_without_walls_or_without_beams_has_no_grounds() {
         let cloud = Revolution { points_m: vec![crosscut_stage::Point::origin()], ..Revolution::default() };
-        assert_eq!(
-            of_scene(&Revolution::default(), &[], &Outline::default(), 1.0, 0.6, None, &Junction::default()),
-            0.0
-        );
+        let empty = (WallRing::default(), Revolution::default(), Junction::default());
+        assert_eq!(Grounds::on(&empty.0, &empty.1, &[], 0.6, None, &empty.2), None);
         assert_eq!(
             Grounds::of(&cloud, &[], 0.6, None, &Junction { wall_of_return: vec![None], ..Junction::default() }),
             None

@@ -10,9 +10,9 @@ use crosscut_scan::{BEHIND_M, Position, WIDEST_RAD, faces_dark};
 use crosscut_stage::{Beam, Junction, Point, Revolution, Wall};
 
 use crate::openings::WallEnd;
-use crate::outline::Outline;
+use crate::wall_ring::WallRing;
 
-/// Walls that run out in directions no farther apart are the sides of one opening: two branches are farther apart.
+/// Two walls within 35° of parallel bound one opening: two branches are farther apart.
 const ONE_OPENING_RAD: f64 = 35.0 * std::f64::consts::PI / 180.0;
 
 /// Sets `island` of the walls of `out` that are shorter than `island_m`, seen over less than [`WIDEST_RAD`] and stand free,
@@ -32,7 +32,7 @@ pub(crate) fn mark(
     revolution: &Revolution,
     island_m: f64,
     vehicle_width_m: f64,
-    outline: &mut Outline,
+    outline: &mut WallRing,
     out: &mut Junction,
 ) {
     let mut others = out.walls.len();
@@ -45,7 +45,7 @@ pub(crate) fn mark(
     candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut candidates: Vec<u32> = candidates.into_iter().map(|(_, id)| id).collect();
     loop {
-        let search = Search { outline, are_short: &are_short, are_small: &are_small, vehicle_width_m };
+        let search = WallSearch { outline, are_short: &are_short, are_small: &are_small, vehicle_width_m };
         let Some(free) = search.first_free(&candidates).filter(|free| free.len() < others) else { return };
         others -= free.len();
         for id in free {
@@ -82,15 +82,15 @@ fn nearest_m(revolution: &Revolution, wall_of_return: &[Option<u32>], id: u32) -
 
 /// One look for walls that stand free.
 #[derive(Clone, Copy)]
-struct Search<'a> {
-    outline: &'a Outline,
+struct WallSearch<'a> {
+    outline: &'a WallRing,
     are_short: &'a [bool],
     /// For each wall whether it is smaller than the vehicle.
     are_small: &'a [bool],
     vehicle_width_m: f64,
 }
 
-impl Search<'_> {
+impl WallSearch<'_> {
     /// The first of the walls that stands free; if there is none, the first two that do together.
     fn first_free(&self, walls: &[u32]) -> Option<Vec<u32>> {
         let alone = walls.iter().map(|&id| vec![id]);
@@ -213,7 +213,7 @@ mod tests {
             wall_of_return: labels.iter().copied().map(Some).collect(),
             ..Junction::default()
         };
-        let mut outline = Outline::default();
+        let mut outline = WallRing::default();
         outline.fill(&revolution, &sweep, &junction.wall_of_return).expect("in message order");
         mark(&revolution, island_m, 0.6, &mut outline, &mut junction);
         assert!(outline.walls().iter().all(|&wall| !junction.walls[wall as usize].island), "islands are taken out");
@@ -302,7 +302,7 @@ mod tests {
         let wall = |id| Wall { id, returns: 1, bearing_rad: [0.0; 2], island: false };
         let wall_of_return = seen.iter().flatten().map(|&(_, wall)| Some(wall)).collect();
         let mut junction = Junction { walls: (0..3).map(wall).collect(), wall_of_return, ..Junction::default() };
-        let mut outline = Outline::default();
+        let mut outline = WallRing::default();
         outline.fill(&revolution, &sweep, &junction.wall_of_return).expect("in message order");
         mark(&revolution, 2.0, 0.6, &mut outline, &mut junction);
         assert!(!junction.walls[0].island && !junction.walls[2].island, "long walls");

@@ -14,11 +14,11 @@
 use crosscut_scan::{LostBeams, is_closed_by_returns};
 use crosscut_stage::{Beam, Junction, Known, KnownGaps, Opening, Verdict};
 
-use crate::openings::{self, DEPTH_M, Edge};
-use crate::outline::Outline;
+use crate::openings::{self, DEPTH_M, FreeEdge};
+use crate::wall_ring::WallRing;
 
 /// Sets `known` of each opening of `out`, and counts its gaps.
-pub(crate) fn mark(verdicts: &[Verdict], outline: &Outline, vehicle_width_m: f64, out: &mut Junction) {
+pub(crate) fn mark(verdicts: &[Verdict], outline: &WallRing, vehicle_width_m: f64, out: &mut Junction) {
     let lost = lost_within_walls(outline, &out.openings);
     let mut gaps = KnownGaps::default();
     for opening in &mut out.openings {
@@ -28,22 +28,17 @@ pub(crate) fn mark(verdicts: &[Verdict], outline: &Outline, vehicle_width_m: f64
         gaps.add(opening.known);
     }
     let closed = verdicts.iter().filter(|verdict| !verdict.is_opening);
-    for pair in closed.filter_map(|verdict| places(verdict.returns.map(Some), outline)) {
+    for pair in closed.filter_map(|verdict| outline.places_of(verdict.returns)) {
         let is_proved = is_closed_by_returns(&outline.ring, pair, vehicle_width_m);
         gaps.add(if is_proved { Known::Proved } else { Known::Judged });
     }
     out.gaps = gaps;
 }
 
-fn places([from, to]: [Option<u32>; 2], outline: &Outline) -> Option<[usize; 2]> {
-    Some([outline.place_of(from?)?, outline.place_of(to?)?])
-}
-
 /// The beams that came back with nothing between two neighbouring returns of a wall, where no opening is.
-fn lost_within_walls(outline: &Outline, openings: &[Opening]) -> LostBeams {
+fn lost_within_walls(outline: &WallRing, openings: &[Opening]) -> LostBeams {
     let (ring, mut lost) = (&outline.ring, LostBeams::default());
-    let within_walls = outline.pairs().filter(|[from, to]| from != to && outline.wall(*from) == outline.wall(*to));
-    for [from, to] in within_walls {
+    for [from, to] in outline.pairs_within_walls() {
         let beams = ring.dark_between(from, to);
         let numbers = [from, to].map(|at| ring.returns[at].number);
         if beams > 0 && !openings.iter().any(|opening| opening.shares_end_with(numbers)) {
@@ -53,7 +48,7 @@ fn lost_within_walls(outline: &Outline, openings: &[Opening]) -> LostBeams {
     lost
 }
 
-fn is_seen_through(edge: &Edge<'_>, lost: LostBeams, vehicle_width_m: f64) -> bool {
+fn is_seen_through(edge: &FreeEdge<'_>, lost: LostBeams, vehicle_width_m: f64) -> bool {
     let shows_depth = edge.clearance_of_branch().is_some_and(|clearance| {
         clearance.depth_m * (1.0 - vehicle_width_m / clearance.clear_m) >= DEPTH_M
             && clearance.clear_m > vehicle_width_m
@@ -62,8 +57,8 @@ fn is_seen_through(edge: &Edge<'_>, lost: LostBeams, vehicle_width_m: f64) -> bo
 }
 
 /// Whether enough neighbouring beams came back with nothing, more than the walls of the scan lose.
-fn lets_beams_pass(edge: &Edge<'_>, lost: LostBeams, vehicle_width_m: f64) -> bool {
-    let (ring, near_m) = (&edge.outline().ring, edge.range_m());
+fn lets_beams_pass(edge: &FreeEdge<'_>, lost: LostBeams, vehicle_width_m: f64) -> bool {
+    let (ring, near_m) = (&edge.outline.ring, edge.range_m());
     let (mut run, mut longest) = (0, 0);
     for beam in edge.between_beams() {
         run = if beam == Beam::NoReturn { run + 1 } else { 0 };

@@ -23,15 +23,15 @@ mod islands;
 mod known;
 pub mod odds;
 pub mod openings;
-mod outline;
 mod place;
 mod reporter;
 mod results;
+mod wall_ring;
 mod walls;
 
 pub use crosscut_scan::{VEHICLE_PARAMS, VEHICLE_WIDTH_M};
-pub use outline::Outline;
 pub use reporter::{CONFIDENCE, PARAMS, Reporter};
 pub use results::{
     HereLine, MAX_EIGENVALUES, OpeningLine, PoseLine, RESULTS_SCHEMA_NAME, RESULTS_SCHEMA_TEXT, ResultsLine, SteadyLine,
 };
+pub use wall_ring::WallRing;

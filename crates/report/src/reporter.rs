@@ -7,8 +7,9 @@ use crosscut_stage::{
     Word,
 };
 
+use crate::confidence::Grounds;
 use crate::openings::{self, OpeningRule};
-use crate::outline::Outline;
+use crate::wall_ring::WallRing;
 use crate::{confidence, doorway, islands, known, odds, place, walls};
 
 const MIN_RETURNS: Count = Count::new("min_returns", "returns", 1)
@@ -42,7 +43,7 @@ pub struct Reporter {
     uncalibrated: bool,
     vehicle_width_m: f64,
     openings: OpeningRule,
-    outline: Outline,
+    outline: WallRing,
 }
 
 impl Reporter {
@@ -59,7 +60,7 @@ impl Reporter {
                 "between_walls" => OpeningRule::BetweenWalls,
                 _ => OpeningRule::FreeSpace,
             },
-            outline: Outline::default(),
+            outline: WallRing::default(),
         }
     }
 
@@ -87,30 +88,33 @@ impl Reporter {
             return Err(StageError::Mismatch(format!("labels: {labelled}, returns: {n}")));
         }
         walls::from_partition(revolution, partition, self.min_returns, out, notes);
-        if let Some(sweep) = revolution.beams() {
-            return self.look_around(revolution, sweep, verdicts, spectrum, out, notes);
+        let sweep = revolution.beams();
+        if let Some(sweep) = sweep {
+            self.look_around(revolution, sweep, verdicts, out)?;
+        } else {
+            // Returns without beams have walls alone.
+            let Junction { walls, wall_of_return, .. } = std::mem::take(out);
+            *out = Junction { junctions: walls.len(), walls, wall_of_return, ..Junction::default() };
         }
-        // Returns without beams have walls alone.
-        let Junction { walls, wall_of_return, .. } = std::mem::take(out);
-        *out = Junction { junctions: walls.len(), walls, wall_of_return, ..Junction::default() };
         out.confidence = if self.uncalibrated {
-            note_uncalibrated(notes);
+            notes.add(N080, "report: no confidence, as nothing was calibrated for a stage of one's own");
             None
+        } else if self.confidence_of_scene && sweep.is_some() {
+            Some(self.confidence_of_scene(revolution, verdicts, spectrum.margin_decades, out, notes))
         } else {
             Some(confidence::of_margin(spectrum.margin_decades))
         };
+        out.openings.retain(|opening| opening.range_m() <= self.max_range_m);
         Ok(())
     }
 
-    /// Islands, openings, the name of the place and the confidence, from the walls of a sweep.
+    /// Islands, openings and the name of the place, from the walls of a sweep.
     fn look_around(
         &mut self,
         revolution: &Revolution,
         sweep: &Sweep,
         verdicts: &[Verdict],
-        spectrum: &Spectrum,
         out: &mut Junction,
-        notes: &mut Notes,
     ) -> Result<(), StageError> {
         let (outline, vehicle_width_m) = (&mut self.outline, self.vehicle_width_m);
         outline.fill(revolution, sweep, &out.wall_of_return)?;
@@ -120,46 +124,41 @@ impl Reporter {
         out.place = place::name(openings::sees_all(outline), out.junctions, &out.openings);
         odds::set_of_openings(verdicts, out);
         known::mark(verdicts, outline, vehicle_width_m, out);
-        out.confidence = if self.uncalibrated {
-            note_uncalibrated(notes);
-            None
-        } else if self.confidence_of_scene {
-            let spacing_rad = confidence::spacing_rad(outline, &out.openings);
-            if spacing_rad > confidence::COARSE_RAD && !out.walls.is_empty() {
-                let spacing_deg = spacing_rad.to_degrees();
-                notes.add(N081, format!(
-                    "report: returns stand {spacing_deg:.1}° apart, too far to tell a gap in a wall: less confidence"
-                ));
-            }
-            let doorway = doorway::doorway(outline, vehicle_width_m);
-            if let Some(gap) = &doorway {
-                let [from_m, to_m] = gap.ends_m();
-                notes.add(N082, format!(
-                    "report: {:.1} m of a wall returned nothing, so it may be a doorway: counted as wall, with less confidence",
-                    (to_m - from_m).norm()
-                ));
-            }
-            let margin_decades = spectrum.margin_decades;
-            Some(confidence::of_scene(
-                revolution,
-                verdicts,
-                outline,
-                confidence::remains(spacing_rad, doorway.is_some()) * confidence::of_smallest_wall(&out.walls),
-                vehicle_width_m,
-                margin_decades,
-                out,
-            ))
-        } else {
-            Some(confidence::of_margin(spectrum.margin_decades))
-        };
-        out.openings.retain(|opening| opening.range_m() <= self.max_range_m);
         Ok(())
     }
-}
 
-/// Says why an answer has no confidence.
-fn note_uncalibrated(notes: &mut Notes) {
-    notes.add(N080, "report: no confidence, as nothing was calibrated for a stage of one's own");
+    /// The share of right answers among those on the grounds of this one.
+    fn confidence_of_scene(
+        &self,
+        revolution: &Revolution,
+        verdicts: &[Verdict],
+        margin_decades: Option<f64>,
+        answer: &Junction,
+        notes: &mut Notes,
+    ) -> f64 {
+        let (outline, vehicle_width_m) = (&self.outline, self.vehicle_width_m);
+        let spacing_rad = confidence::spacing_rad(outline, &answer.openings);
+        if spacing_rad > confidence::COARSE_RAD && !answer.walls.is_empty() {
+            let spacing_deg = spacing_rad.to_degrees();
+            notes.add(
+                N081,
+                format!(
+                    "report: returns stand {spacing_deg:.1}° apart, too far to tell a gap in a wall: less confidence"
+                ),
+            );
+        }
+        let doorway = doorway::doorway(outline, vehicle_width_m);
+        if let Some(gap) = &doorway {
+            let [from_m, to_m] = gap.ends_m();
+            notes.add(N082, format!(
+                "report: {:.1} m of a wall returned nothing, so it may be a doorway: counted as wall, with less confidence",
+                (to_m - from_m).norm()
+            ));
+        }
+        let remains = confidence::remains(spacing_rad, doorway.is_some()) * confidence::of_smallest_wall(&answer.walls);
+        let grounds = Grounds::on(outline, revolution, verdicts, vehicle_width_m, margin_decades, answer);
+        grounds.map_or(0.0, |grounds| remains / (1.0 + (-grounds.log_odds(vehicle_width_m)).exp()))
+    }
 }
 
 #[cfg(test)]

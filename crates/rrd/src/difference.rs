@@ -72,7 +72,7 @@ pub struct Difference {
     pub how: String,
 }
 
-/// Compares all rows. Numbers are equal when they differ by `tolerance` at most; NaN equals NaN. A dense U is compared
+/// Compares all rows. Numbers are equal when they differ by `tolerance` at most; NaN equals NaN. U is compared
 /// by its span, centroids by their inner products (`span.rs`). Rows that a damaged recording lacks are no difference.
 ///
 /// # Errors

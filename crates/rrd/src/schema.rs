@@ -209,7 +209,7 @@ entities! {
     SPECTRAL_CHART_AXIS: "/spectral/chart/axis", LINES_2D, ["point", "axis"], "", Drawing, Once,
         "decades of `/spectral/chart/values`";
     SPECTRAL_U: "/spectral/U", TENSOR, ["return", "eigenvector"], "", F16, Matrices,
-        "eigenvectors U of the k smallest eigenvalues; of a sparse U its entries in f64";
+        "eigenvectors U of the k smallest eigenvalues";
     SPECTRAL_U_PICTURE: "/spectral/U/picture", PICTURE, ["row", "column"], "", Drawing, Matrices,
         "U as a picture by beam, a band for each eigenvector: blue below 0, yellow above, in 15 steps";
     SPECTRAL_U_BARS: "/spectral/U/bars", LINES_2D, ["point", "axis"], "", Drawing, Matrices,

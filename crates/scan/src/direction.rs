@@ -1,5 +1,6 @@
 //! The direction in which a wall ends.
 
+use crate::median;
 use crate::pieces::End;
 use crate::ring::{Position, Ring};
 use crate::roughness::Roughness;
@@ -21,9 +22,9 @@ const SPACINGS: f64 = 2.25;
 /// The stretch is at least this many times as long as a gap between two neighbouring beams near the end of the piece: a
 /// prop or a beam along a wall shows its own sides there, and hides the wall behind it.
 const GAPS: f64 = 1.5;
-/// Such a gap begins no farther than this from the end of the piece.
+/// A gap beside a prop begins no farther than this from the end of the piece.
 const PROP_M: f64 = 0.45;
-/// Nor does it begin farther than this many times the roughness of the walls: at the far corner of a branch of smooth
+/// A gap beside a prop begins no farther than this many times the roughness of the walls from the end: at the far corner of a branch of smooth
 /// walls, a stretch this short is the face of that corner.
 const PROP_BUMPS: f64 = 5.0;
 
@@ -200,7 +201,7 @@ fn past_scatter_m(ring: &Ring, roughness: &Roughness, piece: &[usize], end: End,
         let (off, squared) = off_chord(k);
         *off_m = off / squared.sqrt().max(f64::MIN_POSITIVE);
     }
-    SCATTERS / MEDIAN_OFF * *offs_m[..count].select_nth_unstable_by(count / 2, f64::total_cmp).1
+    SCATTERS / MEDIAN_OFF * median(&mut offs_m[..count], f64::total_cmp)
 }
 
 /// The unit eigenvector of the larger eigenvalue of a covariance. It halves the angle of (xx - yy, 2 xy).

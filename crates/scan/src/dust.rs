@@ -4,7 +4,7 @@ use crate::Lengths;
 use crate::mixed;
 use crate::ring::Ring;
 
-/// This many returns on either side are compared. The outermost ones are not taken for "on both sides".
+/// A return is compared with this many on either side. The outermost on either side does not count for "on both sides".
 const REACH: usize = 4;
 /// Two returns touch if they are nearer to each other than this many spacings of their beams.
 const SPACINGS: f64 = 4.0;

@@ -8,20 +8,20 @@ use crate::pieces::{End, LEAST_WALL_RETURNS, Pieces};
 use crate::ring::{Position, Ring};
 use crate::roughness::Roughness;
 
-/// What is seen past an end of an island lies at least this much farther.
+/// The return seen past an end of an island is farther from the sensor than that end by at least this.
 pub const BEHIND_M: f64 = 0.5;
-/// It lies so steeply behind: this far aside at most for each metre behind, 20° from the beam.
+/// The return seen past an end of an island is at most this far aside for each metre behind: 20° from the beam.
 const STEEP: f64 = 0.363_970_234_266_202_36;
-/// What is seen past an end of an island counts as at most this many beams away.
+/// The return seen past an end of an island counts as at most this many beams away.
 const STEP_BEAMS: usize = 3;
-/// It is farther from the end than this many spacings of the island's own returns.
+/// The return seen past an end of an island is farther from it than this many spacings of the island's own returns.
 const SPACINGS: f64 = 2.0;
 /// An island is off the line of a wall beside it by a passage and this many times the roughness of the walls: a vehicle
 /// can pass between the two, and no bump stands out as far.
 const BUMPS: f64 = 8.0;
 
-/// What is seen past both ends of a leg of the vehicle, or of a person, is at least this many times farther. No bump of
-/// a wall stands out like that, so a leg may be nearer to the line of a wall than other islands.
+/// The returns seen past both ends of a leg, of the vehicle or of a person, are at least this many times farther than the leg.
+/// No bump of a wall stands out like that, so a leg may be nearer to the line of a wall than other islands.
 const WELL_BEHIND: f64 = 1.5;
 /// A leg is off the line of a wall by at least this.
 const LEG_OFF_M: f64 = 0.3;
@@ -40,7 +40,7 @@ const TIP_BUMPS: f64 = 120.0;
 const ALIKE: f64 = 0.809_016_994_374_947_5;
 /// The line of a wall beside an island is taken over at most this many returns.
 const LINE_RETURNS: usize = 14;
-/// It ends where two of those are farther from each other than this.
+/// The line of a wall beside an island ends where two returns are farther from each other than this.
 const LINE_STEP_M: f64 = 2.5;
 /// At most this many islands stand beside each other.
 const MOST_TOGETHER: usize = 2;
@@ -69,7 +69,7 @@ impl Islands {
         self.pieces.clear();
         self.holds.clear();
         self.holds.resize(ring.len(), false);
-        while let Some((at, together)) = (Search { ring, roughness, pieces, islands: self, lengths }).nearest() {
+        while let Some((at, together)) = (PieceSearch { ring, roughness, pieces, islands: self, lengths }).nearest() {
             for _ in 0..together {
                 // After the last piece comes the first.
                 let at = if at < pieces.len() { at } else { 0 };
@@ -95,7 +95,7 @@ impl Islands {
 
 /// One look for islands among pieces.
 #[derive(Clone, Copy)]
-struct Search<'a> {
+struct PieceSearch<'a> {
     ring: &'a Ring,
     roughness: &'a Roughness,
     pieces: &'a Pieces,
@@ -104,7 +104,7 @@ struct Search<'a> {
     lengths: &'a Lengths,
 }
 
-impl Search<'_> {
+impl PieceSearch<'_> {
     /// The nearest piece that stands free, and how many stand free together from there on: one, or as many as need be.
     fn nearest(&self) -> Option<(usize, usize)> {
         let range_m = |first: usize, together: usize| {

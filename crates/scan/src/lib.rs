@@ -37,6 +37,8 @@ mod roughness;
 mod scan;
 mod vehicle;
 
+use std::cmp::Ordering;
+
 pub use clearance::Clearance;
 pub use closed::is_closed_by_returns;
 pub use direction::{Directions, direction};
@@ -51,8 +53,8 @@ pub use roughness::Roughness;
 pub use scan::Scan;
 pub use vehicle::{VEHICLE_HEIGHT_M, VEHICLE_PARAMS, VEHICLE_WIDTH_M};
 
-/// The median of some values, which are reordered; 0 of none.
-fn median(values: &mut [f64]) -> f64 {
+/// The median of some values by this order, which are reordered; 0 of none.
+fn median<T: Copy + Default>(values: &mut [T], order: fn(&T, &T) -> Ordering) -> T {
     let middle = values.len() / 2;
-    if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(middle, f64::total_cmp).1 }
+    if values.is_empty() { T::default() } else { *values.select_nth_unstable_by(middle, order).1 }
 }

@@ -10,11 +10,11 @@ use crate::Lengths;
 use crate::pieces::LEAST_WALL_RETURNS;
 use crate::ring::Ring;
 
-/// A mixed return lies at least this far behind the edge, and this far in front of the surface behind.
+/// The least distance, along the beam, of a mixed return from the edge before it and from the surface behind it.
 const BETWEEN_M: f64 = 0.5;
 /// Beside a pillar, a mixed return lies off the lines from this many returns to the neighbour on either side.
 const LINES: isize = 2;
-/// It lies off such a line by this share of its distance along the line, or more.
+/// Beside a pillar, a mixed return lies off such a line by at least this share of its distance along the line.
 const OFF_LINE_SHARE: f64 = 0.25;
 
 /// Whether a range lies between a near and a far one, as the range of a mixed return does.

@@ -14,7 +14,7 @@ const LEAST_RETURNS: u32 = 4;
 const DENSE_M: f64 = 0.05;
 /// With fewer dense returns, how inexact ranges are is unknown.
 const LEAST_DENSE: u32 = 20;
-/// This share of what inexact ranges add to the mean square is taken off.
+/// The share of the mean square added by inexact ranges that is taken off.
 const INEXACT_SHARE: f64 = 0.8;
 /// The mean square distance of a return from the line through its two neighbours, for evenly spaced returns that
 /// scatter by a standard deviation of 1.
@@ -73,14 +73,14 @@ impl Roughness {
             take_stretches(wall.iter().rev(), inexact_squared.unwrap_or(0.0), &mut offs_m);
             rest = later;
         }
-        Self { sd_m: median(&mut offs_m), range_error: inexact_squared.map(f64::sqrt) }
+        Self { sd_m: median(&mut offs_m, f64::total_cmp), range_error: inexact_squared.map(f64::sqrt) }
     }
 }
 
 /// Adds the roughness of each stretch that these returns fill, one after the other. A rest that fills none is left out.
 fn take_stretches<'a>(mut returns: impl Iterator<Item = &'a WallReturn>, inexact_squared: f64, offs_m: &mut Vec<f64>) {
     let Some(first) = returns.next() else { return };
-    let mut stretch = Stretch::from(first);
+    let mut stretch = WallStretch::from(first);
     for next in returns {
         let offset_m = next.position_m - stretch.start_m;
         if offset_m.norm_squared() < STRETCH_M * STRETCH_M {
@@ -89,13 +89,13 @@ fn take_stretches<'a>(mut returns: impl Iterator<Item = &'a WallReturn>, inexact
             if stretch.returns >= LEAST_RETURNS {
                 offs_m.push(stretch.off_line_m(inexact_squared));
             }
-            stretch = Stretch::from(next);
+            stretch = WallStretch::from(next);
         }
     }
 }
 
 /// The sums over the returns of a stretch: of their offsets from the first, and of the products of those.
-struct Stretch {
+struct WallStretch {
     start_m: Position,
     returns: u32,
     sum: Position,
@@ -104,7 +104,7 @@ struct Stretch {
     range_squared: f64,
 }
 
-impl Stretch {
+impl WallStretch {
     fn from(first: &WallReturn) -> Self {
         Self {
             start_m: first.position_m,

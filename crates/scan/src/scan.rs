@@ -54,7 +54,7 @@ impl Scan {
         self.roughness = Roughness::of(ring, pieces);
         islands.take(ring, &self.roughness, pieces, lengths);
         let mut ranges_m: Vec<f64> = pieces.returns().iter().map(|&i| ring.range_m(i)).collect();
-        self.size_m = median(&mut ranges_m).min(HALL_M);
+        self.size_m = median(&mut ranges_m, f64::total_cmp).min(HALL_M);
         Ok(())
     }
 }

@@ -15,7 +15,7 @@ use crosscut_stage::NoteCode::{N023, N024};
 use crosscut_stage::{Beam, Notes, Revolution, counted};
 
 use crate::Sensor;
-use crate::directions::Directions;
+use crate::directions::BeamDirections;
 use crate::turning::shift_beams;
 
 /// Fewer scans do not show that a beam never returns.
@@ -74,7 +74,7 @@ impl BlindSectors {
         }
         let (mut revolution, mut notes) = (Revolution::default(), Notes::default());
         let mut seen = Vec::new();
-        let mut directions = Directions::default();
+        let mut directions = BeamDirections::default();
         for scan in scans {
             let scan = sensor.in_metres(scan);
             notes.clear();

@@ -20,7 +20,7 @@ const SHORT_RAD: f64 = 5.0 * PI / 180.0;
 
 /// Bearings of the beams in the sensor's frame: beam i looks at `first + i * increment`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Fan {
+pub(crate) struct ScanFan {
     first_rad: f64,
     /// Negative when the sensor turns clockwise.
     increment_rad: f64,
@@ -30,7 +30,7 @@ pub(crate) struct Fan {
     short_rad: f64,
 }
 
-impl Fan {
+impl ScanFan {
     /// The bearings of `scan`; `None`, with a note, if there are none to be had.
     pub(crate) fn new(scan: &LaserScan, notes: &mut Notes) -> Option<Self> {
         let beams = scan.ranges.len();

@@ -7,7 +7,7 @@
 //!
 //! - [`Sensor`] makes one scan a revolution.
 //! - [`Live`] does so with the scans of a robot, one after the other: corrected for its motion, without blind sectors.
-//! - [`View`], [`Turning`], [`Motion`] and [`Before`] are the parts of that, which recordings use as well.
+//! - [`RevolutionWriter`], [`Turning`], [`Motion`] and [`Before`] are the parts of that, which recordings use as well.
 //!
 //! # One scan
 //! Beam i looks at θᵢ = yaw ± (angle_min + i·angle_increment), minus if the sensor hangs upside down, and a return of
@@ -73,9 +73,9 @@ mod limits;
 mod live;
 mod motion;
 mod odometry;
+mod revolution_writer;
 mod sensor;
 mod turning;
-mod view;
 
 pub use crosscut_scan::VEHICLE_PARAMS;
 
@@ -84,6 +84,6 @@ pub use csv::{CSV_PARAMS, CsvGeometry};
 pub use live::Live;
 pub use motion::{Motion, times_s};
 pub use odometry::{Odometry, pose_in};
+pub use revolution_writer::{LEARNED_SCANS, RevolutionWriter};
 pub use sensor::{MAX_RANGE_M, MIN_RANGE_M, PARAMS, Sensor, UPSIDE_DOWN, YAW_RAD, rescale};
 pub use turning::Turning;
-pub use view::{LEARNED_SCANS, View};

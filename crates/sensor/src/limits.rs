@@ -60,7 +60,7 @@ pub(crate) struct Tally {
 
 /// The limits of the sensor as the scan states them, and those of the configuration.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Limits {
+pub(crate) struct RangeLimits {
     wire_min_m: f64,
     /// Infinite if the scan states none.
     wire_max_m: f64,
@@ -73,7 +73,7 @@ pub(crate) struct Limits {
     max_m: f64,
 }
 
-impl Limits {
+impl RangeLimits {
     pub(crate) fn new(scan: &LaserScan, min_m: f64, max_m: f64, notes: &mut Notes) -> Self {
         let mut wire_min_m = f64::from(scan.range_min);
         if !(0.0..f64::INFINITY).contains(&wire_min_m) {

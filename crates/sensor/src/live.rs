@@ -6,7 +6,7 @@ use nalgebra::Isometry2;
 
 use crate::motion::stamps_ns;
 use crate::turning::stated_beam_s;
-use crate::{Before, LEARNED_SCANS, Motion, Odometry, Sensor, Turning, View, times_s};
+use crate::{Before, LEARNED_SCANS, Motion, Odometry, RevolutionWriter, Sensor, Turning, times_s};
 
 /// What is known of a live robot by its scans so far.
 ///
@@ -14,7 +14,7 @@ use crate::{Before, LEARNED_SCANS, Motion, Odometry, Sensor, Turning, View, time
 /// hundredth scan on, and messages that are parts of a turn are not joined.
 #[derive(Debug, Default)]
 pub struct Live {
-    view: View,
+    writer: RevolutionWriter,
     turning: Turning,
     before: Before,
     /// The first scans, as long as blind sectors are to be learned.
@@ -47,8 +47,8 @@ impl Live {
         }
         let times_s = if sensor.deskews() { times_s(message, beam_s) } else { [0.0; 2] };
         let motion = motion(message, times_s, odometry);
-        self.view.show(message, rad_per_beam, motion.as_ref(), sensor, out, notes);
-        self.view.hide(message, &[], sensor, out, notes);
+        self.writer.show(message, rad_per_beam, motion.as_ref(), sensor, out, notes);
+        self.writer.hide(message, &[], sensor, out, notes);
         out.odometry = motion.map(|motion| motion.middle());
         if out.stamp_ns > 0 {
             self.before.compare(out, notes);
@@ -62,7 +62,7 @@ impl Live {
         }
         self.first.push(scan.clone());
         if self.first.len() >= LEARNED_SCANS {
-            self.view.learn_blind(&self.first.iter().collect::<Vec<_>>(), sensor);
+            self.writer.learn_blind(&self.first.iter().collect::<Vec<_>>(), sensor);
             (self.first, self.knows_blind) = (Vec::new(), true);
         }
     }

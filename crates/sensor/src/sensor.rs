@@ -8,9 +8,9 @@ use crosscut_scan::{VEHICLE_HEIGHT_M, VEHICLE_PARAMS, VEHICLE_WIDTH_M};
 use crosscut_stage::NoteCode::{N021, N022, N025, N026, N027};
 use crosscut_stage::{Beam, Flag, Notes, Number, Pairs, ParamSpec, Params, Point, Revolution, Word, counted};
 
-use crate::directions::Directions;
-use crate::fan::Fan;
-use crate::limits::{Limits, Reading, Tally};
+use crate::directions::BeamDirections;
+use crate::fan::ScanFan;
+use crate::limits::{RangeLimits, Reading, Tally};
 
 /// How the sensor is turned.
 pub const YAW_RAD: Number = Number::new("yaw_rad", "rad", 0.0)
@@ -225,7 +225,7 @@ impl Sensor {
     /// `out.seq` is 0: only the recording knows it. `out.stamp_ns` is 0 if the scan has no stamp.
     pub fn revolution(&self, scan: &LaserScan, out: &mut Revolution, notes: &mut Notes) {
         notes.clear();
-        self.turning_revolution(&self.in_metres(scan), 0.0, &mut Directions::default(), out, notes);
+        self.turning_revolution(&self.in_metres(scan), 0.0, &mut BeamDirections::default(), out, notes);
         self.level(out, notes);
     }
 
@@ -236,7 +236,7 @@ impl Sensor {
         &self,
         scan: &LaserScan,
         rad_per_beam: f64,
-        directions: &mut Directions,
+        directions: &mut BeamDirections,
         out: &mut Revolution,
         notes: &mut Notes,
     ) {
@@ -253,10 +253,10 @@ impl Sensor {
                 format!("{} intensities for {} ranges: not used", scan.intensities.len(), scan.ranges.len()),
             );
         }
-        let limits = Limits::new(scan, self.min_range_m, self.max_range_m, notes);
+        let limits = RangeLimits::new(scan, self.min_range_m, self.max_range_m, notes);
         sweep.range_max_m = limits.range_max_m();
 
-        let Some(fan) = Fan::new(scan, notes) else {
+        let Some(fan) = ScanFan::new(scan, notes) else {
             sweep.bearings_rad.resize(scan.ranges.len(), 0.0);
             sweep.beams.resize(scan.ranges.len(), Beam::Unknown);
             sweep.step_rad = TAU;
@@ -268,7 +268,8 @@ impl Sensor {
             notes.add(N027, format!("turned by {turned_deg:.1}° during the scan: beams brought to the middle of it"));
         }
         sweep.step_rad = fan.step_rad();
-        sweep.fan = Some(fan.mounted(self.yaw_rad, self.upside_down));
+        let mounted = fan.mounted(self.yaw_rad, self.upside_down);
+        sweep.fan = Some(mounted);
         let missing = fan.missing();
         (sweep.full_turn, sweep.missing) = (missing.is_some(), missing.unwrap_or(0));
         if sweep.missing > 0 {
@@ -276,7 +277,7 @@ impl Sensor {
             notes.add(N022, format!("{beams} short of a full turn: walls are followed across"));
         }
         let mut tally = Tally::default();
-        directions.update(self, fan, scan.ranges.len());
+        directions.update(mounted, scan.ranges.len(), |bearing_rad| self.masks(bearing_rad));
         sweep.bearings_rad.extend_from_slice(&directions.bearings_rad);
         for (&range_m, direction) in scan.ranges.iter().zip(&directions.beams).take(fan.beams_in_turn()) {
             let reading = if direction.is_masked {

@@ -56,7 +56,7 @@ const DEGREE_RAD: f64 = std::f64::consts::PI / 180.0;
 /// Compares each scan with the one before it.
 #[derive(Debug, Default)]
 pub struct Turning {
-    before: Before,
+    before: PreviousScan,
     /// How many turns more show that beams are listed as they are taken than the other way round.
     as_listed: i32,
 }
@@ -71,7 +71,7 @@ enum Seam {
 }
 
 #[derive(Debug, Default)]
-struct Before {
+struct PreviousScan {
     stamp: Time,
     /// `angle_min` and `angle_increment`.
     angles_rad: (f32, f32),
@@ -102,24 +102,24 @@ impl Turning {
 
 /// The time from one beam of `scan` to the next as it states it, s, 0 if it does not or that cannot be right.
 pub(crate) fn stated_beam_s(scan: &LaserScan) -> f64 {
-    beam_s(&Before::default(), scan).unwrap_or(0.0)
+    beam_s(&PreviousScan::default(), scan).unwrap_or(0.0)
 }
 
 /// From the scan before to this one, s.
-fn period_s(before: &Before, scan: &LaserScan) -> Option<f64> {
+fn period_s(before: &PreviousScan, scan: &LaserScan) -> Option<f64> {
     let period_ns = scan.header.stamp.to_ns()?.checked_sub(before.stamp.to_ns()?)?;
     Some(period_ns as f64 * 1e-9)
 }
 
 /// The time from beam to beam, if it is stated and leaves room for the next scan.
-fn beam_s(before: &Before, scan: &LaserScan) -> Option<f64> {
+fn beam_s(before: &PreviousScan, scan: &LaserScan) -> Option<f64> {
     let beam_s = f64::from(scan.time_increment);
     let scan_s = beam_s * scan.ranges.len() as f64;
     let has_room = before.ranges_m.is_empty() || period_s(before, scan)? * LONGEST_SCAN >= scan_s;
     (beam_s > 0.0 && scan_s <= LONGEST_SCAN_S && has_room).then_some(beam_s)
 }
 
-fn estimate(before: &Before, scan: &LaserScan) -> Option<f64> {
+fn estimate(before: &PreviousScan, scan: &LaserScan) -> Option<f64> {
     let (increment_rad, beam_s) = (f64::from(scan.angle_increment), beam_s(before, scan)?);
     let beams = scan.ranges.len();
     let is_alike = before.angles_rad == (scan.angle_min, scan.angle_increment) && before.ranges_m.len() == beams;

@@ -258,8 +258,9 @@ fn intensities_of_another_length_are_noted() {
 
 #[test]
 fn yaw_turns_and_upside_down_mirrors_before_the_yaw() {
-    let mounted =
-        |upside_down: bool| sensor(&[("yaw_rad", Value::Number(FRAC_PI_2)), ("upside_down", Value::Flag(upside_down))]);
+    let mounted = |upside_down: bool| {
+        sensor(&[("yaw_rad", Value::Float(FRAC_PI_2)), ("upside_down", Value::Boolean(upside_down))])
+    };
     let (upright, notes) = revolution_of(&scan(&[1.0, 1.0]), &mounted(false));
     assert_near(upright.bearing_rad(1), FRAC_PI_2 + 0.1);
     assert_eq!(notes, ["bearings turned by the sensor's yaw of 1.5707963267948966 rad"]);
@@ -324,7 +325,7 @@ fn ranges_that_scatter_about_the_maximum_are_no_returns_and_a_wall_that_leaves_t
 
 #[test]
 fn configured_limits_cut_both_ends_and_the_smaller_maximum_holds() {
-    let cut = sensor(&[("min_range_m", Value::Number(1.0)), ("max_range_m", Value::Number(10.0))]);
+    let cut = sensor(&[("min_range_m", Value::Float(1.0)), ("max_range_m", Value::Float(10.0))]);
     let (revolution, notes) = revolution_of(&scan(&[0.5, 1.0, 10.0, 10.5]), &cut);
     assert_eq!(sweep(&revolution).beams, [Beam::Unknown, Beam::Return(0), Beam::Return(1), Beam::NoReturn]);
     assert_eq!(sweep(&revolution).range_max_m, 10.0);
@@ -339,7 +340,10 @@ fn configured_limits_cut_both_ends_and_the_smaller_maximum_holds() {
 #[test]
 fn masked_sectors_are_in_the_body_frame_and_may_cross_the_back() {
     let masked = |pairs: &[[f64; 2]], yaw: f64| {
-        let sensor = sensor(&[("masked_sectors_rad", Value::Pairs(pairs.to_vec())), ("yaw_rad", Value::Number(yaw))]);
+        let sensor = sensor(&[
+            ("masked_sectors_rad", pairs.iter().map(|pair| pair.to_vec()).collect::<Vec<_>>().into()),
+            ("yaw_rad", Value::Float(yaw)),
+        ]);
         revolution_of(&full_turn(360), &sensor)
     };
     let unknown_at = |revolution: &Revolution, bearing_rad: f64| {
@@ -377,9 +381,9 @@ proptest! {
     #[test]
     fn whatever_the_scan_says_the_revolution_is_sound(odd in odd_scan(), before in odd_scan(), yaw in -PI..PI) {
         let sensor = sensor(&[
-            ("yaw_rad", Value::Number(yaw)),
-            ("masked_sectors_rad", Value::Pairs(vec![[1.0, 1.5]])),
-            ("max_range_m", Value::Number(100.0)),
+            ("yaw_rad", Value::Float(yaw)),
+            ("masked_sectors_rad", vec![vec![1.0, 1.5]].into()),
+            ("max_range_m", Value::Float(100.0)),
         ]);
         let (fresh, _) = revolution_of(&odd, &sensor);
         let (mut reused, mut notes) = (Revolution::default(), Notes::default());

@@ -11,6 +11,7 @@
 use crosscut_stage::{Affinity, DisjointSets, Eigenvalues, Kind, Notes, SpectralStage, Spectrum, StageError};
 
 use crate::degrees::{check_degrees, sum_volumes};
+use crate::embedding::make_zero;
 
 /// An edge of a smaller weight is none, as the weak edges of affinity `passage` are, and those of `rbf` over 2.5 m.
 const LEAST_WEIGHT: f64 = 1e-4;
@@ -19,13 +20,13 @@ const LEAST_WEIGHT: f64 = 1e-4;
 pub const KIND: Kind<dyn SpectralStage> = Kind::spectral(
     "components",
     "the zero eigenvalues alone, exact: one for each connected component of the edges that are not weak (baseline)",
-    |_| Box::new(Components::default()),
+    |_| Box::new(ComponentZeros::default()),
 )
 .eigenvalues(Eigenvalues::Zeros)
 .stays_sparse();
 
 #[derive(Default)]
-struct Components {
+struct ComponentZeros {
     sets: DisjointSets,
     /// Σ of the edges at each return.
     degrees: Vec<f64>,
@@ -33,7 +34,7 @@ struct Components {
     volumes: Vec<f64>,
 }
 
-impl Components {
+impl ComponentZeros {
     /// Joins the returns of each edge, and sums the edges at each return.
     fn follow_edges(&mut self, affinity: &Affinity) -> Result<(), StageError> {
         let Self { sets, degrees, .. } = self;
@@ -54,7 +55,7 @@ impl Components {
     }
 }
 
-impl SpectralStage for Components {
+impl SpectralStage for ComponentZeros {
     fn spectrum(&mut self, affinity: &Affinity, out: &mut Spectrum, _: &mut Notes) -> Result<(), StageError> {
         check_degrees(affinity)?;
         self.follow_edges(affinity)?;
@@ -66,10 +67,10 @@ impl SpectralStage for Components {
         out.eigenvalues.clear();
         out.eigenvalues.resize(out.k, 0.0);
         (out.tolerance, out.margin_decades) = (f64::MIN_POSITIVE, None);
-        out.u.write_rows(degrees.len(), out.k, |i, row| {
-            let component = component_of_return[i];
-            row.push((component, (degrees[i] / volumes[component as usize]).sqrt()));
-        });
+        make_zero(&mut out.u, degrees.len(), out.k);
+        for (i, (degree, &component)) in degrees.iter().zip(component_of_return).enumerate() {
+            out.u[(i, component as usize)] = (degree / volumes[component as usize]).sqrt();
+        }
         Ok(())
     }
 }
@@ -93,8 +94,8 @@ mod tests {
         let mut out = Spectrum::default();
         let mut stage = KIND.with(&[]).expect("no parameters");
         stage.spectrum(&affinity, &mut out, &mut Notes::default()).expect("a sound affinity");
-        let u = out.u.to_dense();
-        assert!((u.transpose() * &u - Mat::<f64>::identity(out.k, out.k)).norm_max() < 1e-15, "UᵀU = I: {u:?}");
+        let u = &out.u;
+        assert!((u.transpose() * u - Mat::<f64>::identity(out.k, out.k)).norm_max() < 1e-15, "UᵀU = I: {u:?}");
         out.k
     }
 

@@ -72,7 +72,7 @@ fn evd(
     if n == 0 {
         return Ok(());
     }
-    make_room(scratch, scratch_of(n));
+    make_room(scratch, self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, Par::Seq, Spec::default()));
     let mut converges = |matrix: MatRef<'_, f64>| {
         let (out, stack) = (DiagMut::from_slice_mut(eigenvalues), MemStack::new(scratch));
         let eigenvectors = eigenvectors.as_mut().map(MatMut::rb_mut);
@@ -97,9 +97,4 @@ pub(crate) fn make_room(scratch: &mut MemBuffer, needed: StackReq) {
     if scratch.len() < needed.size_bytes() {
         *scratch = MemBuffer::new(needed);
     }
-}
-
-/// Working memory of one decomposition, n > 0.
-fn scratch_of(n: usize) -> StackReq {
-    self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, Par::Seq, Spec::default())
 }

@@ -1,6 +1,7 @@
 //! What follows a full decomposition: the count of zeros and U.
 
 use crosscut_stage::{Spectrum, StageError};
+use faer::Mat;
 
 use crate::zeros::count_zeros;
 
@@ -17,15 +18,21 @@ pub(crate) fn embed<'a>(
         return Err(StageError::NoConvergence { n });
     }
     count_zeros(out, n, tolerance);
-    let columns = out.u.make_dense(n, out.k);
+    out.u.resize_with(n, out.k, |_, _| 0.0);
     for j in 0..out.k {
         let column = eigenvector(j);
         let sign = sign_of_largest(column);
-        for (u, v) in columns.col_as_slice_mut(j).iter_mut().zip(column) {
+        for (u, v) in out.u.col_as_slice_mut(j).iter_mut().zip(column) {
             *u = sign * v;
         }
     }
     Ok(())
+}
+
+/// Makes `u` a matrix of zeros in the memory that it has.
+pub(crate) fn make_zero(u: &mut Mat<f64>, nrows: usize, ncols: usize) {
+    u.resize_with(nrows, ncols, |_, _| 0.0);
+    u.fill(0.0);
 }
 
 /// The sign of the entry of largest magnitude, the first of equals.

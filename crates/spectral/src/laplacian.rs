@@ -1,6 +1,6 @@
 //! The normalised Laplacian, the paper's equation (2).
 
-use crosscut_stage::{Affinity, StageError, Weights};
+use crosscut_stage::{Affinity, StageError};
 use faer::{Mat, MatRef};
 
 use crate::degrees::check_degrees;
@@ -33,22 +33,9 @@ impl Laplacian {
         let scale = &self.inverse_sqrt_degrees;
         // s_i s_j is formed first: it is the same number for (i, j) and (j, i), so symmetry survives the rounding.
         let entry = |i: usize, j: usize, weight: f64| f64::from(u8::from(i == j)) - weight * (scale[i] * scale[j]);
-        match &affinity.weights {
-            Weights::Dense(w) => {
-                for j in 0..n {
-                    for (i, (l, &weight)) in
-                        self.matrix.col_as_slice_mut(j).iter_mut().zip(w.col_as_slice(j)).enumerate()
-                    {
-                        *l = entry(i, j, weight);
-                    }
-                }
-            }
-            sparse => {
-                self.matrix.fill(0.0);
-                self.matrix.diagonal_mut().fill(1.0);
-                sparse.for_each(|i, j, weight| self.matrix[(i, j)] = entry(i, j, weight));
-            }
-        }
+        self.matrix.fill(0.0);
+        self.matrix.diagonal_mut().fill(1.0);
+        affinity.weights.for_each(|i, j, weight| self.matrix[(i, j)] = entry(i, j, weight));
         match (0..n).find(|&j| !self.matrix.col_as_slice(j).iter().all(|l| l.is_finite())) {
             Some(index) => Err(StageError::NotFinite { what: "the affinity", index }),
             None => Ok(self.matrix.as_ref()),

@@ -1,6 +1,6 @@
 //! Which eigenvalues count as zero.
 
-use crosscut_stage::{Embedding, Number, Spectrum};
+use crosscut_stage::{Number, Spectrum};
 
 /// τ. The paper gives none; how far τ could be moved before k changes is the margin.
 pub const ZERO_TOLERANCE: Number = Number::new("zero_tolerance", "", 1e-7)
@@ -20,16 +20,12 @@ pub(crate) fn count_zeros(spectrum: &mut Spectrum, n: usize, tolerance: f64) {
 
 /// Sets k, the margin and U of a full decomposition, of which U has the eigenvectors of the smallest eigenvalues, to those
 /// of this τ. `false` if it counts more zeros than U has eigenvectors; the spectrum is then of no use.
-///
-/// # Panics
-/// If U is sparse: a full decomposition makes it dense.
 #[must_use]
 pub fn recount(spectrum: &mut Spectrum, tolerance: f64) -> bool {
     let n = spectrum.eigenvalues.len();
     count_zeros(spectrum, n, tolerance);
-    let Embedding::Dense(u) = &mut spectrum.u else { panic!("U of a full decomposition is dense") };
-    let is_enough = spectrum.k <= u.ncols();
-    u.truncate(n, spectrum.k.min(u.ncols()));
+    let is_enough = spectrum.k <= spectrum.u.ncols();
+    spectrum.u.truncate(n, spectrum.k.min(spectrum.u.ncols()));
     is_enough
 }
 

@@ -29,8 +29,8 @@ fn growth_bytes(stage: &mut dyn SpectralStage, affinity: &Affinity) -> Option<u6
     fs::write("/proc/self/clear_refs", "5").ok()?; // the peak starts anew
     let before = status_bytes("VmRSS")?;
     stage.spectrum(affinity, &mut out, &mut Notes::default()).expect("a sound affinity");
-    let entries = (0..out.u.nrows()).map(|i| out.u.row(i).count() as u64).sum::<u64>();
-    Some(status_bytes("VmHWM")?.saturating_sub(before + 16 * entries))
+    let entries = (out.u.nrows() * out.u.ncols()) as u64;
+    Some(status_bytes("VmHWM")?.saturating_sub(before + 8 * entries))
 }
 
 /// Rows of returns, each with edges to the two next ones on either side.

@@ -115,7 +115,7 @@ impl Weights {
     pub fn stored(&self) -> usize {
         match self {
             Self::Dense(w) => w.nrows() * w.ncols(),
-            Self::Sparse(w) => w.nonzeros(),
+            Self::Sparse(w) => w.values.len(),
         }
     }
 
@@ -138,6 +138,13 @@ impl Weights {
                 }
             }
         }
+    }
+
+    /// All n×n entries.
+    pub fn to_dense(&self) -> Mat<f64> {
+        let mut w = Mat::zeros(self.n(), self.n());
+        self.for_each(|i, j, value| w[(i, j)] = value);
+        w
     }
 
     /// Makes `self` a dense n×n matrix, whose content is unspecified.
@@ -179,11 +186,6 @@ impl Csr {
     /// Number of rows, n.
     pub fn n(&self) -> usize {
         self.row_start.len() - 1
-    }
-
-    /// Number of stored entries.
-    pub fn nonzeros(&self) -> usize {
-        self.values.len()
     }
 
     /// Columns and values of row `i`.

@@ -83,7 +83,7 @@ pub trait StageKind {
 /// The properties that a kind of affinity declares.
 #[derive(Clone, Copy, Debug)]
 pub struct AffinityProperties {
-    /// It needs the beams of a sweep, and refuses points without any. Its W has few entries in a row.
+    /// The affinity needs the beams of a sweep, and refuses points without any. Its W has few entries in a row.
     pub needs_beams: bool,
     /// Changes of a revolution that leave W alone.
     pub blind_to: &'static [Invariance],
@@ -101,7 +101,7 @@ impl Kind<dyn AffinityStage> {
         Self::new(name, doc, build)
     }
 
-    /// It refuses points without beams.
+    /// Makes the kind one that refuses points without beams.
     pub const fn needs_beams(mut self) -> Self {
         self.properties.needs_beams = true;
         self
@@ -152,7 +152,7 @@ impl Kind<dyn SpectralStage> {
         self
     }
 
-    /// It never allocates a dense matrix for a sparse W.
+    /// Makes the kind one that never allocates a dense matrix for a sparse W.
     pub const fn stays_sparse(mut self) -> Self {
         self.properties.stays_sparse = true;
         self

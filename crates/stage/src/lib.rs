@@ -15,7 +15,6 @@
 
 mod affinity;
 mod disjoint_sets;
-mod embedding;
 mod extra;
 mod frame;
 mod invariance;
@@ -34,7 +33,6 @@ mod unsure;
 
 pub use affinity::{Affinity, Csr, Measured, Verdict, Weights};
 pub use disjoint_sets::DisjointSets;
-pub use embedding::Embedding;
 pub use extra::Extra;
 pub use frame::{Failure, FailureCause, Frame, Step, Timings};
 pub use invariance::Invariance;
@@ -42,14 +40,18 @@ pub use junction::{Evidence, Junction, Opening, Place, SURE, Wall, junction_of};
 pub use kind::{AffinityProperties, Eigenvalues, Kind, SpectralProperties, StageKind};
 pub use known::{Known, KnownGaps};
 pub use notes::{NOTES_PAGE, NoteCode, Notes, counted};
-pub use param::{Count, Flag, Interval, Names, Number, Pairs, Param, ParamSpec, Shape, Word};
-pub use params::{ParamError, ParamErrorKind, ParamValue, Params, Value};
+pub use param::{
+    Count, Flag, Interval, Names, Number, Pairs, Param, ParamError, ParamErrorKind, ParamSpec, Shape, Word, value_text,
+};
+pub use params::Params;
 pub use partition::Partition;
 pub use pose_doubt::{MotionDoubt, PoseDoubt};
 pub use revolution::{Beam, Fan, Revolution, Sweep, View, is_finite_pose, unit, widest_run, wrap_angle_rad};
 pub use spectrum::Spectrum;
 pub use traits::{AffinityStage, KmeansStage, Observer, ObserverError, Source, SourceError, SpectralStage, StageError};
 pub use unsure::Unsure;
+
+pub use toml::Value;
 
 /// Points are in R³ (metres); a 2D lidar has z = 0.
 pub type Point = nalgebra::Point3<f64>;

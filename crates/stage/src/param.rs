@@ -1,9 +1,8 @@
 //! One parameter of a stage: name, unit, range, default and meaning, and the type of its value.
 
 use std::fmt;
-use std::marker::PhantomData;
 
-use crate::{ParamError, ParamErrorKind, Value};
+use toml::Value;
 
 /// The key of a parameter whose value is a `T`.
 ///
@@ -26,7 +25,8 @@ use crate::{ParamError, ParamErrorKind, Value};
 pub struct Param<T> {
     /// What it is.
     pub spec: ParamSpec,
-    value: PhantomData<fn() -> T>,
+    /// A checked value as a `T`; `None` of a value of another type.
+    pub(crate) read: fn(&Value) -> Option<T>,
 }
 
 /// A real number.
@@ -43,8 +43,8 @@ pub type Pairs = Param<Vec<[f64; 2]>>;
 pub type Names = Param<Vec<String>>;
 
 impl<T> Param<T> {
-    const fn of(name: &'static str, unit: &'static str, shape: Shape) -> Self {
-        Self { spec: ParamSpec { name, unit, shape, doc: "", follows: None, shared: false }, value: PhantomData }
+    const fn of(name: &'static str, unit: &'static str, shape: Shape, read: fn(&Value) -> Option<T>) -> Self {
+        Self { spec: ParamSpec { name, unit, shape, doc: "", follows: None, shared: false }, read }
     }
 
     /// What it means, in one sentence.
@@ -71,7 +71,7 @@ impl<T> Param<T> {
 impl Number {
     /// Any finite number unless the range is narrowed.
     pub const fn new(name: &'static str, unit: &'static str, default: f64) -> Self {
-        Self::of(name, unit, Shape::Number { default, range: Interval::FINITE })
+        Self::of(name, unit, Shape::Number { default, range: Interval::FINITE }, number)
     }
 
     /// Only numbers larger than `low`.
@@ -96,7 +96,7 @@ impl Number {
         self
     }
 
-    /// This parameter of another section, `section.name`, as one that a stage reads. It is set and printed there alone.
+    /// A parameter of another section, `section.name`, as one that a stage reads. It is set and printed in that section alone.
     pub const fn shared(self, parameter: &'static str) -> ParamSpec {
         ParamSpec { shared: true, ..self.follows(parameter).spec }
     }
@@ -105,7 +105,8 @@ impl Number {
 impl Count {
     /// Any whole number from 0 unless the range is narrowed.
     pub const fn new(name: &'static str, unit: &'static str, default: u32) -> Self {
-        Self::of(name, unit, Shape::Integer { default: default as i64, min: 0, max: i64::MAX })
+        let shape = Shape::Integer { default: default as i64, min: 0, max: i64::MAX };
+        Self::of(name, unit, shape, |value| usize::try_from(value.as_integer()?).ok())
     }
 
     /// Only `low` and larger numbers.
@@ -128,26 +129,26 @@ impl Count {
 impl Flag {
     /// True or false.
     pub const fn new(name: &'static str, default: bool) -> Self {
-        Self::of(name, "", Shape::Flag { default })
+        Self::of(name, "", Shape::Flag { default }, Value::as_bool)
     }
 }
 
 impl Word {
     /// One of these words; the first is the default.
     pub const fn one_of(name: &'static str, words: &'static [&'static str]) -> Self {
-        Self::of(name, "", Shape::Choice { default: words[0], of: words })
+        Self::of(name, "", Shape::Choice { default: words[0], of: words }, word)
     }
 
     /// Any text.
     pub const fn any(name: &'static str, default: &'static str) -> Self {
-        Self::of(name, "", Shape::Text { default })
+        Self::of(name, "", Shape::Text { default }, word)
     }
 }
 
 impl Pairs {
     /// Pairs of any finite numbers unless the range is narrowed.
     pub const fn new(name: &'static str, unit: &'static str) -> Self {
-        Self::of(name, unit, Shape::Pairs { range: Interval::FINITE })
+        Self::of(name, unit, Shape::Pairs { range: Interval::FINITE }, pairs)
     }
 
     /// Only `low` and larger numbers.
@@ -163,8 +164,8 @@ impl Pairs {
 
 impl Names {
     /// Any of these names.
-    pub const fn any_of(name: &'static str, names: &'static [&'static str]) -> Self {
-        Self::of(name, "", Shape::Names { of: names })
+    pub const fn any_of(name: &'static str, of: &'static [&'static str]) -> Self {
+        Self::of(name, "", Shape::Names { of }, names)
     }
 }
 
@@ -261,12 +262,11 @@ impl ParamSpec {
     /// The default.
     pub fn default_value(&self) -> Value {
         match self.shape {
-            Shape::Flag { default } => Value::Flag(default),
-            Shape::Integer { default, .. } => Value::Integer(default),
-            Shape::Number { default, .. } => Value::Number(default),
-            Shape::Choice { default, .. } | Shape::Text { default } => Value::Text(default.to_owned()),
-            Shape::Pairs { .. } => Value::Pairs(Vec::new()),
-            Shape::Names { .. } => Value::Names(Vec::new()),
+            Shape::Flag { default } => default.into(),
+            Shape::Integer { default, .. } => default.into(),
+            Shape::Number { default, .. } => default.into(),
+            Shape::Choice { default, .. } | Shape::Text { default } => default.into(),
+            Shape::Pairs { .. } | Shape::Names { .. } => Value::Array(Vec::new()),
         }
     }
 
@@ -284,31 +284,90 @@ impl ParamSpec {
         }
     }
 
-    /// `value` if it is allowed here; a whole number serves where a real one is asked for, and any empty list where
-    /// names are.
+    /// `value` if it is allowed here; whole numbers serve where real ones are asked for.
     ///
     /// # Errors
     /// When its type or its size is not allowed.
     pub fn check(&self, value: Value) -> Result<Value, ParamError> {
-        let value = match (self.shape, value) {
-            (Shape::Number { .. }, Value::Integer(i)) => Value::Number(i as f64),
-            (Shape::Names { .. }, Value::Pairs(pairs)) if pairs.is_empty() => Value::Names(Vec::new()),
-            (_, value) => value,
+        let allowed = match self.shape {
+            Shape::Flag { .. } => value.as_bool().map(|_| true),
+            Shape::Integer { min, max, .. } => value.as_integer().map(|i| (min..=max).contains(&i)),
+            Shape::Number { range, .. } => number(&value).map(|x| range.contains(x)),
+            Shape::Choice { of, .. } => value.as_str().map(|word| of.contains(&word)),
+            Shape::Text { .. } => value.as_str().map(|_| true),
+            Shape::Pairs { range } => pairs(&value).map(|pairs| pairs.iter().flatten().all(|&x| range.contains(x))),
+            Shape::Names { of } => names(&value).map(|names| names.iter().all(|name| of.contains(&name.as_str()))),
         };
-        let allowed = match (self.shape, &value) {
-            (Shape::Flag { .. }, Value::Flag(_)) | (Shape::Text { .. }, Value::Text(_)) => true,
-            (Shape::Integer { min, max, .. }, Value::Integer(i)) => (min..=max).contains(i),
-            (Shape::Number { range, .. }, Value::Number(x)) => range.contains(*x),
-            (Shape::Choice { of, .. }, Value::Text(word)) => of.contains(&word.as_str()),
-            (Shape::Pairs { range }, Value::Pairs(pairs)) => pairs.iter().flatten().all(|&x| range.contains(x)),
-            (Shape::Names { of }, Value::Names(names)) => names.iter().all(|name| of.contains(&name.as_str())),
-            _ => return Err(self.refuse(ParamErrorKind::WrongType, value.to_string())),
+        let kind = match allowed {
+            Some(true) => return Ok(self.as_real(value)),
+            Some(false) => ParamErrorKind::OutOfRange,
+            None => ParamErrorKind::WrongType,
         };
-        if allowed { Ok(value) } else { Err(self.refuse(ParamErrorKind::OutOfRange, value.to_string())) }
+        let (name, value) = (self.name.to_owned(), value_text(&value));
+        Err(ParamError { kind, name, value, expected: self.expected() })
     }
 
-    /// The error of a value, as written, that is not allowed.
-    pub fn refuse(&self, kind: ParamErrorKind, value: String) -> ParamError {
-        ParamError { kind, name: self.name.to_owned(), value, expected: self.expected() }
+    /// An allowed value with real numbers where whole ones served for them.
+    fn as_real(&self, value: Value) -> Value {
+        match self.shape {
+            Shape::Number { .. } => number(&value).map_or(value, Value::Float),
+            Shape::Pairs { .. } => pairs(&value).into_iter().flatten().map(Vec::from).collect::<Vec<_>>().into(),
+            _ => value,
+        }
     }
+}
+
+fn number(value: &Value) -> Option<f64> {
+    value.as_float().or_else(|| value.as_integer().map(|i| i as f64))
+}
+
+fn word(value: &Value) -> Option<String> {
+    value.as_str().map(str::to_owned)
+}
+
+fn pairs(value: &Value) -> Option<Vec<[f64; 2]>> {
+    let pair = |value: &Value| match value.as_array()?.as_slice() {
+        [from, to] => Some([number(from)?, number(to)?]),
+        _ => None,
+    };
+    value.as_array()?.iter().map(pair).collect()
+}
+
+fn names(value: &Value) -> Option<Vec<String>> {
+    value.as_array()?.iter().map(word).collect()
+}
+
+/// A value as TOML: a number in the shortest text that reads back as the same one, such as 1e-8, 1.5 or inf.
+pub fn value_text(value: &Value) -> String {
+    match value {
+        Value::Float(x) => format!("{x:?}"),
+        Value::Array(list) => format!("[{}]", list.iter().map(value_text).collect::<Vec<_>>().join(", ")),
+        other => other.to_string(),
+    }
+}
+
+/// A value that its parameter does not allow.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{name} = {value} is not allowed: {expected}")]
+pub struct ParamError {
+    /// Why, for code.
+    pub kind: ParamErrorKind,
+    /// The parameter.
+    pub name: String,
+    /// The value, as written.
+    pub value: String,
+    /// What is allowed.
+    pub expected: String,
+}
+
+/// Why a value is not allowed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ParamErrorKind {
+    /// There is no parameter of this name.
+    NotFound,
+    /// The value is of another type than the parameter.
+    WrongType,
+    /// The type is right; the parameter allows other numbers, words or names.
+    OutOfRange,
 }

@@ -97,9 +97,9 @@ pub struct View {
     pub first: usize,
     /// Their number. After the last beam of the message come those that are missing in the turn, then beam 0.
     pub len: usize,
-    /// They cover the full turn.
+    /// The beams cover the full turn.
     pub full_turn: bool,
-    /// They are listed clockwise.
+    /// The message lists the beams clockwise.
     pub clockwise: bool,
 }
 

@@ -1,10 +1,10 @@
 //! What is computed of the Laplacian: the smallest eigenvalues, how many are zero, and their eigenvectors.
 
-use crate::Embedding;
+use faer::Mat;
 
 /// Eigenvalues of L = I - D^-1/2 W D^-1/2 and the embedding made of the eigenvectors of its zeros. A solver that leaves weak
 /// edges out (`components`) gives those of the graph without them.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Spectrum {
     /// λ ascending: the smallest that were computed, at least the k zeros, and the next if there is a margin (and a
     /// next).
@@ -17,7 +17,13 @@ pub struct Spectrum {
     pub margin_decades: Option<f64>,
     /// U, n×k: an orthonormal basis of what the eigenvectors of the k zeros span. Column j is the unit eigenvector of
     /// λ_j in a full decomposition; with a repeated eigenvalue only the span is defined.
-    pub u: Embedding,
+    pub u: Mat<f64>,
+}
+
+impl Default for Spectrum {
+    fn default() -> Self {
+        Self { eigenvalues: Vec::new(), tolerance: 0.0, k: 0, margin_decades: None, u: Mat::new() }
+    }
 }
 
 impl Spectrum {

@@ -23,7 +23,7 @@ pub enum StageError {
     /// The stage does not work on revolutions of this kind.
     #[error("{0}")]
     Unsupported(String),
-    /// It would take more memory than is allowed: how much, and what to do.
+    /// The stage would take more memory than is allowed: how much, and what to do.
     #[error("{0}")]
     TooLarge(String),
     /// Parts of the frame do not belong together.
@@ -32,7 +32,7 @@ pub enum StageError {
 }
 
 impl StageError {
-    /// That of an affinity of this name, which needs beams, for points without any.
+    /// The error of an affinity of this name, which needs beams, for points without any.
     #[must_use]
     pub fn without_beams(affinity: &str) -> Self {
         Self::Unsupported(format!(

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use crosscut_stage::{Kind, KmeansStage, Notes, Partition, Spectrum, StageError};
+use faer::Mat;
 use pyo3::prelude::*;
 
 use super::{CALLABLE, Callable, PYTHON};
@@ -58,11 +59,11 @@ fn place_centroids(spectrum: &Spectrum, out: &mut Partition) {
     let labelled = || out.labels.iter().enumerate().filter_map(|(i, label)| Some((i, (*label)? as usize)));
     for (i, cluster) in labelled() {
         counts[cluster] += 1.0;
-        spectrum.u.row(i).for_each(|(j, value)| sums[cluster * k + j] += value);
+        (0..k).for_each(|j| sums[cluster * k + j] += spectrum.u[(i, j)]);
     }
     let centre = |cluster: usize, j: usize| sums[cluster * k + j] / counts[cluster];
     out.inertia = labelled()
         .map(|(i, cluster)| (0..k).map(|j| (spectrum.u[(i, j)] - centre(cluster, j)).powi(2)).sum::<f64>())
         .sum();
-    out.centroids.write_rows(clusters, k, |cluster, row| row.extend((0..k).map(|j| (j as u32, centre(cluster, j)))));
+    out.centroids = Mat::from_fn(clusters, k, centre);
 }

@@ -1,6 +1,7 @@
 //! Eigenvalues and U by a callable: spectral(W) -> (eigenvalues, U).
 
 use crosscut_stage::{Affinity, Kind, Notes, SpectralStage, Spectrum, StageError};
+use faer::Mat;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
@@ -41,7 +42,7 @@ impl SpectralStage for PythonSpectral {
             margin_decades: None,
             ..std::mem::take(out)
         };
-        out.u.write_rows(n, k, |i, row| (0..k).map(|j| (j as u32, u.at(i, j))).for_each(|entry| row.push(entry)));
+        out.u = Mat::from_fn(n, k, |i, j| u.at(i, j));
         Ok(())
     }
 }

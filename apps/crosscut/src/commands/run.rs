@@ -7,7 +7,7 @@ use clap::Args;
 use clap::builder::{PathBufValueParser, TypedValueParser as _};
 use crosscut_detector::Registry;
 use crosscut_ingest::Truths;
-use crosscut_pipeline::{End, StopFlag};
+use crosscut_pipeline::{RunEnd, StopFlag};
 use crosscut_stage::counted;
 
 use crate::diagnostics::Diagnostics;
@@ -178,7 +178,7 @@ fn refuse_overwriting(args: &RunArgs, read: &[PathBuf]) -> Result<(), UsageError
 
 /// Notes that a recording is shorter because nobody reads the results any more.
 fn note_closed_pipe(flown: &Flown, args: &RunArgs, diagnostics: &mut Diagnostics) {
-    let is_closed = matches!(&flown.summary.end, End::ResultsLost(error) if is_closed_pipe(error));
+    let is_closed = matches!(&flown.summary.end, RunEnd::ResultsLost(error) if is_closed_pipe(error));
     if is_closed && args.record.save.is_some() {
         let done = counted(flown.summary.revolutions, "revolution");
         diagnostics.note(format_args!("the reader of the results closed the pipe; the run ended after {done}"));

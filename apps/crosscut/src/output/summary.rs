@@ -69,9 +69,9 @@ pub(crate) fn notes(summary: &Summary, most: usize) -> Table {
 /// Times of the stages, of the flight, and from the arrival of a scan until its results are written, which is longer than
 /// the stages where scans wait for each other.
 pub(crate) fn times(summary: &Summary) -> Table {
-    let steps = Step::ALL.map(|step| (step.name(), summary.times.median_and_p99_ns(step)));
-    let flight = ("flight", summary.times.flight_median_and_p99_ns());
-    let latency = ("with waiting", summary.times.latency_median_and_p99_ns());
+    let steps = Step::ALL.map(|step| (step.name(), summary.times.steps[step as usize].median_and_p99()));
+    let flight = ("flight", summary.times.flight.median_and_p99());
+    let latency = ("with waiting", summary.times.latency.median_and_p99());
     let row = |(name, times): (&str, Option<(u64, u64)>)| {
         let ms = |ns: u64| format!("{:.3}", ns as f64 / 1e6);
         times.map(|(median_ns, p99_ns)| vec![name.to_owned(), ms(median_ns), ms(p99_ns)])

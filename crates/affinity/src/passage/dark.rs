@@ -25,9 +25,9 @@ const BLANK_RAD: f64 = 30.0 * PI / 180.0;
 const BEHIND_BLANK: f64 = 2.5;
 /// Beyond this many times the place's size, patches of lost beams are small.
 const FAR_OFF_SHARE: f64 = 2.5;
-/// A patch of lost beams that far off is no wider than this share of the place's size.
+/// A patch of lost beams beyond [`FAR_OFF_SHARE`] is no wider than this share of the place's size.
 const PATCH_SHARE: f64 = 0.78;
-/// A blank opening is at least this share of the place's size from end to end: no corner hides in it.
+/// The ends of a blank opening are at least this share of the place's size apart: no corner hides in it.
 const BLANK_SHARE: f64 = 0.9;
 
 /// A door is at least this many times as wide as the vehicle.
@@ -35,7 +35,7 @@ const DOOR_TIMES: f64 = 1.75;
 /// Behind a door, as far as the sensor sees, the dark is no wider than this share of the place's size, about a tunnel.
 const BEHIND_DOOR_SHARE: f64 = 1.5;
 
-/// What the distance of the ends of a dark gap measures.
+/// The words for the distance of the ends of a dark gap.
 const DARK: &str = "nothing is seen from end to end over";
 
 /// How much room there is in a dark door. No corner can be missing in the dark, so the gap is as wide as its ends are

@@ -16,13 +16,13 @@ pub(super) struct Decision {
 }
 
 impl Decision {
-    /// This room, for this reason.
+    /// A decision by the room that was measured, for a reason.
     pub(super) fn room(reason: &'static str, measured: Measured) -> Self {
         let room_ratio = measured.ratio();
         Self { room_ratio, reason, measured: Some(measured), ratio_by_rules: room_ratio }
     }
 
-    /// No room, for this reason.
+    /// A decision that there is no room, for a reason.
     pub(super) fn no_room(reason: &'static str, measured: Option<Measured>) -> Self {
         Self { room_ratio: 0.0, reason, measured, ratio_by_rules: 0.0 }
     }

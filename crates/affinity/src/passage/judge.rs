@@ -25,10 +25,10 @@ const ROOM_RATIO_WITHOUT_DIRECTION: f64 = 3.0;
 
 /// A piece without a direction belongs to a wall if it lies within this of the line of the wall.
 const OFF_LINE_M: f64 = 0.3;
-/// Such a piece may lie off the line by this share of its distance more.
+/// A piece without a direction may lie farther off the line of its wall by this share of its distance.
 const OFF_LINE_SHARE: f64 = 0.15;
-/// Two pieces without direction belong together along a line of sight, as a wall at grazing incidence: at least this
-/// share of their distance is along the beams.
+/// Two pieces without a direction are of one wall at grazing incidence if at least this share of their distance is along the
+/// beams.
 const GRAZING_SHARE: f64 = 0.8;
 
 /// Joining two pieces with directions costs this, and one for each radian of turn.
@@ -141,7 +141,7 @@ impl<'s> Judge<'s> {
 
     /// The room ratio between two pieces with directions, if that makes an opening.
     pub(super) fn room_ratio_of_opening(&mut self, a: &[usize], b: &[usize]) -> Option<f64> {
-        let gap = self.gap(a, b)?;
+        let gap = Gap::between(self.context, a, b, self.directions)?;
         let decision = self.rules.decide(&gap);
         decision.is_opening().then_some(decision.room_ratio)
     }
@@ -149,7 +149,7 @@ impl<'s> Judge<'s> {
     /// What makes the gap between two walls an opening, and the least room that there is, or would be if the wall turned
     /// by [`DOUBT_RAD`] less or more. With what its odds rest on, unless a piece has no direction.
     pub(super) fn least_room(&mut self, a: &[usize], b: &[usize]) -> (Decision, Option<Measures>) {
-        let Some(gap) = self.gap(a, b) else {
+        let Some(gap) = Gap::between(self.context, a, b, self.directions) else {
             let reason = "too little is seen for a direction";
             let room_ratio = ROOM_RATIO_WITHOUT_DIRECTION;
             return (Decision { room_ratio, reason, measured: None, ratio_by_rules: room_ratio }, None);
@@ -158,14 +158,6 @@ impl<'s> Judge<'s> {
         let turned = [-DOUBT_RAD, DOUBT_RAD].map(|more_rad| self.rules.decide(&gap.turned_by(more_rad)).room_ratio);
         let least = turned.into_iter().fold(decision.room_ratio, f64::min);
         (Decision { room_ratio: least.max(LEAST_ROOM_RATIO), ..decision }, Some(self.rules.measures(&gap, decision)))
-    }
-
-    /// The gap between two pieces; `None` if one of them has no direction.
-    pub(super) fn gap<'p>(&mut self, a: &'p [usize], b: &'p [usize]) -> Option<Gap<'p>>
-    where
-        's: 'p,
-    {
-        Gap::between(self.context, a, b, self.directions)
     }
 
     /// The directions in which a wall runs at the end of piece `a` and on from the start of piece `b`, if they have

@@ -49,7 +49,7 @@ const WIDTHS: Flag = Flag::new("widths", false).doc(
 pub const KIND: Kind<dyn AffinityStage> = Kind::affinity(
     "passage",
     "edges along the walls, over gaps that only hide them, and none where a vehicle could pass",
-    |params| Box::new(Passage::new(params)),
+    |params| Box::new(PassageAffinity::new(params)),
 )
 .params(&[
     VEHICLE_WIDTH_M.shared("vehicle.width_m"),
@@ -81,7 +81,7 @@ pub const KIND: Kind<dyn AffinityStage> = Kind::affinity(
 ///    which were joined at cost c_g, for the two returns on either side of i. These weights do not fall with
 ///    the spacing of returns, so the second eigenvalue of a wall's block does not either. From wall to wall there is
 ///    one weak edge over each opening. Its eigenvalue is half of `leak`, divided by the odds (`odds.rs`) that a vehicle can pass.
-struct Passage {
+struct PassageAffinity {
     lengths: Lengths,
     rules: Rules,
     leak: f64,
@@ -92,7 +92,7 @@ struct Passage {
     walls: Pieces,
 }
 
-impl Passage {
+impl PassageAffinity {
     fn new(params: &Params) -> Self {
         let lengths =
             Lengths { passage_m: params.get(VEHICLE_WIDTH_M), island_m: params.get(ISLAND_M), stretch_m: STRETCH_M };
@@ -168,12 +168,12 @@ impl Passage {
 /// # Errors
 /// As the stage.
 pub fn measured_gaps(revolution: &Revolution, params: &Params) -> Result<Vec<(Verdict, Option<Measures>)>, StageError> {
-    let (mut passage, mut out) = (Passage::new(params), Affinity::default());
+    let (mut passage, mut out) = (PassageAffinity::new(params), Affinity::default());
     passage.weigh(revolution, &mut out, &mut Notes::default())?;
     Ok(out.verdicts.into_iter().zip(passage.chains.measures).collect())
 }
 
-impl AffinityStage for Passage {
+impl AffinityStage for PassageAffinity {
     fn weigh(&mut self, revolution: &Revolution, out: &mut Affinity, notes: &mut Notes) -> Result<(), StageError> {
         // First, so that the buffers end with the walls of the vehicle's own width.
         let holds_m = if self.tells_widths { self.count_holds_m(revolution) } else { None };

@@ -7,18 +7,18 @@ use crosscut_stage::Measured;
 
 use super::gap::{Gap, STRAIGHT_RAD};
 
-/// What is seen across the line of the nearer wall at more than this angle, is seen through a mouth.
+/// A farther wall is seen through a mouth where the wall turns right at its nearer end by more than this.
 const MOUTH_RAD: f64 = 50.0 * PI / 180.0;
-/// What is seen through a mouth of smooth walls lies at least this deep behind the nearer wall, over as wide a gap.
+/// A wall seen through a mouth of smooth walls lies at least this deep behind the nearer wall, and the gap is as wide.
 const MOUTH_M: f64 = 1.5;
-/// What is seen through a mouth of rough walls lies deeper by this many times their roughness.
+/// A wall seen through a mouth of rough walls lies deeper by this many times their roughness.
 const MOUTH_BUMPS: f64 = 40.0;
-/// What is seen at more than this angle, is seen through a slanting mouth, or in the shadow of a bump.
+/// A farther wall is seen through a slanting mouth, or in the shadow of a bump, where the wall turns right by more than this.
 const SLANT_RAD: f64 = 20.0 * PI / 180.0;
-/// What is seen through a slanting mouth of rough walls lies deeper by this many times their roughness.
+/// A wall seen through a slanting mouth of rough walls lies deeper by this many times their roughness.
 const SLANT_BUMPS: f64 = 100.0;
 
-/// What is seen through a doorway lies behind it by at least this many times the width of the vehicle.
+/// All returns seen through a doorway lie behind it by at least this many times the width of the vehicle.
 const BEHIND_DOORWAY_TIMES: f64 = 2.0;
 
 /// A slit ends at this many returns in a row that leave no room for a vehicle: a single one may be of no wall.

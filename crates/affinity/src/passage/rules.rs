@@ -28,11 +28,11 @@ const PLAIN_STRAIGHT_BUMPS: f64 = 100.0;
 /// Where the walls hardly turn, a gap in plain sight need not be wider than this share of the place's size.
 const PLAIN_STRAIGHT_SHARE: f64 = 1.4;
 
-/// What the clear width measures.
+/// The words for the clear width.
 const LINES: &str = "the nearer end is off the line of the farther wall by";
-/// What the step measures.
+/// The words for the step.
 const STEP: &str = "a wall here would need, behind the nearer end, a step of";
-/// What the depth measures.
+/// The words for the depth.
 const DEPTH: &str = "the farther wall is seen behind the line of the nearer one by";
 
 impl Gap<'_> {

@@ -113,9 +113,9 @@ fn beams_that_do_not_match_the_returns_are_an_error() {
         let mut stage = stage();
         stage.affinity(&revolution, &mut Affinity::default(), &mut Notes::default()).expect_err("refused").to_string()
     };
-    assert_eq!(refused(|r| r.points_m.truncate(1)), "beams with a return: 2, returns: 1");
+    assert_eq!(refused(|r| r.points_m.truncate(1)), "beam 1 has return 1: not in beam order, or not there");
     let out_of_order = |r: &mut Revolution| r.sweep.as_mut().expect("made above").beams.reverse();
-    assert_eq!(refused(out_of_order), "beam 0 has return 1: not in beam order");
+    assert_eq!(refused(out_of_order), "beam 0 has return 1: not in beam order, or not there");
 }
 
 #[test]

@@ -40,7 +40,7 @@ pub(super) fn walls(frame: &Frame) -> String {
 /// A line for each column of U: its entries in beam order, by their share of the largest.
 pub(super) fn columns(frame: &Frame) -> String {
     const SHADES: [char; 5] = [' ', '.', '-', '+', '#'];
-    let u = frame.spectrum.u.to_dense();
+    let u = &frame.spectrum.u;
     let n = u.nrows();
     let width = n.clamp(1, WIDTH);
     let line = |j: usize| {

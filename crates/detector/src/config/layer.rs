@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use crosscut_stage::Value as Setting;
 use toml::{Table, Value};
 
 use super::error::{ConfigError, nearest};
@@ -106,11 +105,11 @@ impl Layer {
     ///
     /// # Errors
     /// When a name is not of this form.
-    pub fn values(name: &str, values: &[(String, Setting)]) -> Result<Self, ConfigError> {
+    pub fn values(name: &str, values: &[(String, Value)]) -> Result<Self, ConfigError> {
         let mut layer = Self { name: name.to_owned(), table: Table::new() };
         for (setting, value) in values {
             let malformed = || ConfigError::MalformedSetting { layer: name.to_owned(), setting: setting.clone() };
-            layer.insert(setting, to_toml(value)).ok_or_else(malformed)?;
+            layer.insert(setting, value.clone()).ok_or_else(malformed)?;
         }
         Ok(layer)
     }
@@ -134,17 +133,4 @@ impl Layer {
 fn value_or_word(text: &str) -> Value {
     let parsed = format!("value = {text}").parse::<Table>().ok().and_then(|mut table| table.remove("value"));
     parsed.unwrap_or_else(|| Value::String(text.to_owned()))
-}
-
-fn to_toml(setting: &Setting) -> Value {
-    match setting {
-        Setting::Flag(flag) => Value::Boolean(*flag),
-        Setting::Integer(i) => Value::Integer(*i),
-        Setting::Number(x) => Value::Float(*x),
-        Setting::Text(text) => Value::String(text.clone()),
-        Setting::Names(names) => names.iter().cloned().map(Value::String).collect::<Vec<_>>().into(),
-        Setting::Pairs(pairs) => {
-            pairs.iter().map(|pair| pair.map(Value::Float).to_vec().into()).collect::<Vec<Value>>().into()
-        }
-    }
 }

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crosscut_stage::value_text;
+
 use super::resolve::{Config, SetBy};
 
 impl fmt::Display for Config {
@@ -11,16 +13,16 @@ impl fmt::Display for Config {
                 writeln!(f)?;
             }
             writeln!(f, "[{}]", section.name)?;
-            if let Some(kind) = &section.kind {
+            if let Some((kind, set_by)) = &section.kind {
                 writeln!(f, "# {}", kind.doc)?;
-                writeln!(f, "kind = {:?}  # {}", kind.name, kind.set_by)?;
+                writeln!(f, "kind = {:?}  # {set_by}", kind.name)?;
             }
             for (spec, value, set_by) in section.own() {
                 let unit = if spec.unit.is_empty() { String::new() } else { format!(" [{}]", spec.unit) };
                 writeln!(f, "# {}{unit}: {}", spec.doc, spec.expected())?;
                 // What follows another parameter does so in the file as well, until it is set there.
                 let comment = if matches!(set_by, SetBy::Parameter(_)) { "# " } else { "" };
-                writeln!(f, "{comment}{} = {value}  # {set_by}", spec.name)?;
+                writeln!(f, "{comment}{} = {}  # {set_by}", spec.name, value_text(value))?;
             }
         }
         Ok(())

@@ -2,6 +2,7 @@
 
 use crosscut_stage::{Count, Kind, ParamSpec, StageKind};
 
+use super::error::ConfigError;
 use crate::{Registry, recording};
 
 pub(crate) const WORKERS: Count = Count::new("workers", "lanes", 0)
@@ -20,22 +21,15 @@ pub(crate) const MEMORY_MB: Count = Count::new("memory_mb", "MB", 4096)
 /// Section `pipeline` of the configuration.
 const PIPELINE_PARAMS: &[ParamSpec] = &[WORKERS.spec, IN_FLIGHT.spec, MEMORY_MB.spec];
 
-/// One section.
+/// One section: its parameters, which are those of a kind where it has kinds, of which the first is the default.
 pub(super) struct Section {
     pub(super) name: &'static str,
-    pub(super) body: Body,
-}
-
-/// What a section may hold.
-pub(super) enum Body {
-    /// Always the same parameters.
-    Fixed(&'static [ParamSpec]),
-    /// A `kind`, and the parameters of that kind. The first is the default.
-    Kinds(Vec<Choice>),
+    pub(super) params: &'static [ParamSpec],
+    pub(super) kinds: Vec<Choice>,
 }
 
 /// One kind of a stage.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Choice {
     pub(super) name: &'static str,
     pub(super) doc: &'static str,
@@ -44,23 +38,32 @@ pub(super) struct Choice {
 
 /// All sections: `ingest`, `csv`, `affinity`, `spectral`, `kmeans`, `report`, `vehicle`, `flight`, `pipeline`,
 /// `recording`.
-pub(super) fn sections(registry: &Registry) -> [Section; 10] {
-    let fixed = |name, params| Section { name, body: Body::Fixed(params) };
-    [
+///
+/// # Errors
+/// When the registry has no kind of a stage, or two of one name.
+pub(super) fn sections(registry: &Registry) -> Result<[Section; 10], ConfigError> {
+    let fixed = |name, params| Section { name, params, kinds: Vec::new() };
+    Ok([
         fixed("ingest", crosscut_sensor::PARAMS),
         fixed("csv", crosscut_sensor::CSV_PARAMS),
-        chosen(&registry.affinity),
-        chosen(&registry.spectral),
-        chosen(&registry.kmeans),
+        chosen(&registry.affinity)?,
+        chosen(&registry.spectral)?,
+        chosen(&registry.kmeans)?,
         fixed("report", crosscut_report::PARAMS),
         fixed("vehicle", crosscut_sensor::VEHICLE_PARAMS),
         fixed("flight", crosscut_flight::PARAMS),
         fixed("pipeline", PIPELINE_PARAMS),
         fixed("recording", recording::PARAMS),
-    ]
+    ])
 }
 
-fn chosen<S: StageKind + ?Sized>(kinds: &[Kind<S>]) -> Section {
-    let choices = kinds.iter().map(|kind| Choice { name: kind.name, doc: kind.doc, params: kind.params });
-    Section { name: S::SECTION, body: Body::Kinds(choices.collect()) }
+fn chosen<S: StageKind + ?Sized>(kinds: &[Kind<S>]) -> Result<Section, ConfigError> {
+    let section = S::SECTION;
+    let first = kinds.first().ok_or(ConfigError::NoKinds { section })?;
+    let is_twice = |(at, kind): &(usize, &Kind<S>)| kinds[..*at].iter().any(|other| other.name == kind.name);
+    if let Some((_, kind)) = kinds.iter().enumerate().find(is_twice) {
+        return Err(ConfigError::KindTwice { section, kind: kind.name });
+    }
+    let kinds = kinds.iter().map(|kind| Choice { name: kind.name, doc: kind.doc, params: kind.params });
+    Ok(Section { name: section, params: first.params, kinds: kinds.collect() })
 }

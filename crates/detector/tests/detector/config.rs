@@ -34,7 +34,7 @@ fn resolve(file: &str, settings: &[&str]) -> Result<Config, ConfigError> {
 fn number(config: &Config, parameter: &str) -> f64 {
     let (section, name) = parameter.split_once('.').expect("section.name");
     match config.params(section).value(name) {
-        Some(Value::Number(x)) => *x,
+        Some(Value::Float(x)) => *x,
         other => panic!("{parameter} is {other:?}"),
     }
 }
@@ -200,14 +200,14 @@ fn typed_settings_arrive_as_they_are() {
         .set("ingest.yaw_rad", 0.1 + 0.2)
         .set("ingest.upside_down", true)
         .set("kmeans.seed", 7_u32)
-        .set("ingest.masked_sectors_rad", Value::Pairs(vec![[0.1, 1.0 / 3.0]]));
+        .set("ingest.masked_sectors_rad", Value::from(vec![vec![0.1, 1.0 / 3.0]]));
     let config = settings.config(&Registry::standard()).expect("allowed");
     let value = |section: &str, name: &str| config.params(section).value(name).cloned();
-    assert_eq!(value("ingest", "frame_id"), Some(Value::Text(text.to_owned())));
-    assert_eq!(value("ingest", "yaw_rad"), Some(Value::Number(0.1 + 0.2)));
-    assert_eq!(value("ingest", "upside_down"), Some(Value::Flag(true)));
+    assert_eq!(value("ingest", "frame_id"), Some(Value::String(text.to_owned())));
+    assert_eq!(value("ingest", "yaw_rad"), Some(Value::Float(0.1 + 0.2)));
+    assert_eq!(value("ingest", "upside_down"), Some(Value::Boolean(true)));
     assert_eq!(value("kmeans", "seed"), Some(Value::Integer(7)));
-    assert_eq!(value("ingest", "masked_sectors_rad"), Some(Value::Pairs(vec![[0.1, 1.0 / 3.0]])));
+    assert_eq!(value("ingest", "masked_sectors_rad"), Some(Value::from(vec![vec![0.1, 1.0 / 3.0]])));
     let printed = config.to_string();
     assert!(printed.contains("upside_down = true  # settings"), "where a value comes from: {printed}");
     let refused = |settings: Settings| settings.config(&Registry::standard()).expect_err("refused").to_string();

@@ -35,7 +35,7 @@ fn track_by(
     odometry: impl Fn(usize, &Scene) -> Option<Isometry2<f64>>,
 ) -> (Vec<Tracked>, usize) {
     let mut params = Params::defaults(crosscut_flight::PARAMS);
-    params.set("pose", Value::Text(kind.to_owned())).expect("a kind");
+    params.set("pose", Value::String(kind.to_owned())).expect("a kind");
     let (mut tracker, sensor) = (PoseTracker::new(&params), Sensor::default());
     let (mut revolution, mut noted) = (Revolution::default(), 0);
     let add = |(i, scene): (usize, &Scene)| {

@@ -9,7 +9,7 @@ mod turn;
 use std::collections::VecDeque;
 
 use crosscut_messages::{LaserScan, ScanMessage};
-use crosscut_sensor::{LEARNED_SCANS, Motion, Sensor, View};
+use crosscut_sensor::{LEARNED_SCANS, Motion, RevolutionWriter, Sensor};
 use crosscut_stage::{Notes, Revolution};
 
 use self::segments::Joiner;
@@ -30,7 +30,7 @@ pub(crate) struct Turns {
     knows_blind: bool,
     /// Turns are given before there are enough of them to know blind sectors; these were.
     early: Option<Vec<LaserScan>>,
-    view: View,
+    writer: RevolutionWriter,
     spare: Vec<ScanMessage>,
     /// Of the ranges that wait, and how many may.
     bytes: u64,
@@ -47,7 +47,7 @@ impl Turns {
             knows_parts: !are_scans,
             knows_blind: !are_scans || !finds_blind,
             early: None,
-            view: View::default(),
+            writer: RevolutionWriter::default(),
             spare: Vec::new(),
             bytes: 0,
             most_bytes: limits::WAITING_BYTES,
@@ -125,7 +125,7 @@ impl Turns {
 
     fn learn_of_early(&mut self, sensor: &Sensor) {
         if let Some(early) = self.early.take_if(|early| early.len() >= LEARNED_SCANS) {
-            self.view.learn_blind(&early.iter().collect::<Vec<_>>(), sensor);
+            self.writer.learn_blind(&early.iter().collect::<Vec<_>>(), sensor);
             self.knows_blind = true;
         }
     }
@@ -141,9 +141,9 @@ impl Turns {
         out: &mut Revolution,
         notes: &mut Notes,
     ) {
-        self.view.show(scan, turn.rad_per_beam, motion, sensor, out, notes);
+        self.writer.show(scan, turn.rad_per_beam, motion, sensor, out, notes);
         notes.extend(turn.notes.coded().iter().cloned());
-        self.view.hide(scan, &turn.missing, sensor, out, notes);
+        self.writer.hide(scan, &turn.missing, sensor, out, notes);
     }
 
     /// A place for the next message.
@@ -186,6 +186,6 @@ impl Turns {
         // A turn without some of its messages shows nothing of the beams that are missing.
         let is_whole = |turn: &&Turn| !turn.missing.contains(&true);
         let scans: Vec<_> = self.turns.iter().filter(is_whole).filter_map(Turn::laser_scan).collect();
-        self.view.learn_blind(&scans, sensor);
+        self.writer.learn_blind(&scans, sensor);
     }
 }

@@ -61,7 +61,7 @@ fn table(count: u64) -> Built {
 fn csv() -> ReadOptions {
     let mut params = Params::defaults(CSV_PARAMS);
     for (name, value) in [("last_rad", 0.7), ("range_max_m", 30.0)] {
-        params.set(name, Value::Number(value)).expect("allowed");
+        params.set(name, Value::Float(value)).expect("allowed");
     }
     ReadOptions { csv: CsvGeometry::new(&params), ..ReadOptions::default() }
 }

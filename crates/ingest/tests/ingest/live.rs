@@ -71,7 +71,7 @@ fn of_scans(scans: impl Iterator<Item = LaserScan>) -> impl Iterator<Item = Reco
 
 #[test]
 fn live_scans_are_corrected_for_motion_as_those_of_the_recording() {
-    for settings in [vec![], vec![("upside_down", Value::Flag(true))], vec![("deskew", Value::Flag(false))]] {
+    for settings in [vec![], vec![("upside_down", Value::Boolean(true))], vec![("deskew", Value::Boolean(false))]] {
         for (rate_rad_s, direction) in [(PI, 1.0), (-PI, -1.0), (0.3, 1.0)] {
             // Odometry ends in the middle of the last scan.
             let scans = || of_scans((0..10).map(|number| scan(number, rate_rad_s, direction)));
@@ -111,6 +111,6 @@ fn blind_sectors_of_a_live_robot_are_known_from_the_hundredth_scan() {
         beams.iter().filter(|beam| **beam == Beam::Unknown).count()
     };
     assert_eq!([98, 99].map(|at| unknown(&shown[at])), [0, 90]);
-    let in_view = [("find_blind_sectors", Value::Flag(false))];
+    let in_view = [("find_blind_sectors", Value::Boolean(false))];
     assert_equal(&live(&records, 0, &in_view), &recorded(records, &in_view));
 }

@@ -112,7 +112,7 @@ fn a_slice_of_a_cloud_has_the_rings_that_are_asked_for() {
     let of_rings = |rings: Vec<u32>| {
         let cloud = Cloud { points_m: points_m.to_vec(), rings, ..Cloud::default() };
         let data = PointCloud2::from(&cloud).encode(Endian::Little);
-        let sensor = sensor(&[("rings", Value::Pairs(vec![[2.0, 2.0], [5.0, 9.0]]))]);
+        let sensor = sensor(&[("rings", vec![vec![2.0, 2.0], vec![5.0, 9.0]].into())]);
         let (revolution, notes) = revolution_of(Record { data, ..self::cloud(&[]) }, sensor);
         (revolution.points_m.iter().map(|point_m| point_m.x).collect::<Vec<_>>(), revolution.entries.len(), notes)
     };
@@ -128,10 +128,10 @@ fn a_slice_of_a_cloud_has_the_rings_that_are_asked_for() {
 fn mounting_limits_and_masks_hold_for_clouds() {
     let points_m = [[1.0, 2.0, 0.25], [0.1, 0.0, 0.0], [90.0, 0.0, 0.0], [-3.0, 1.0, 0.0]];
     let sensor = sensor(&[
-        ("upside_down", Value::Flag(true)),
-        ("min_range_m", Value::Number(0.5)),
-        ("max_range_m", Value::Number(50.0)),
-        ("masked_sectors_rad", Value::Pairs(vec![[-3.1, -2.5]])),
+        ("upside_down", Value::Boolean(true)),
+        ("min_range_m", Value::Float(0.5)),
+        ("max_range_m", Value::Float(50.0)),
+        ("masked_sectors_rad", vec![vec![-3.1, -2.5]].into()),
     ]);
     let (revolution, notes) = revolution_of(cloud(&points_m), sensor);
     assert_eq!(revolution.points_m, [Point::new(1.0, -2.0, 0.0)]);

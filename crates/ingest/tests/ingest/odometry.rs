@@ -79,9 +79,9 @@ fn the_odometry_is_that_of_the_topic_asked_for_then_of_odom_then_of_transforms()
 
     let path = add(of_topic("/a/odometry", 100.0).chain(of_topic("/odom", 200.0)).chain(transforms()).collect());
     assert_eq!(first_m(&path, &[]), Some(200.0));
-    assert_eq!(first_m(&path, &[("odometry", Value::Text("/a/odometry".into()))]), Some(100.0));
-    assert_eq!(first_m(&path, &[("odometry", Value::Text("/tf".into()))]), Some(300.0));
-    assert_eq!(first_m(&path, &[("odometry", Value::Text("/nothing".into()))]), None);
+    assert_eq!(first_m(&path, &[("odometry", Value::String("/a/odometry".into()))]), Some(100.0));
+    assert_eq!(first_m(&path, &[("odometry", Value::String("/tf".into()))]), Some(300.0));
+    assert_eq!(first_m(&path, &[("odometry", Value::String("/nothing".into()))]), None);
     assert_eq!(first_m(&add(of_topic("/a/odometry", 100.0).chain(transforms()).collect()), &[]), Some(100.0));
     assert_eq!(first_m(&add(transforms().collect()), &[]), Some(300.0));
     assert_eq!(first_m(&add(Vec::new()), &[]), None);

@@ -69,7 +69,7 @@ fn a_real_table_gives_its_rows_once_its_directions_are_given() {
     assert!(matches!(open(&path), Err(IngestError::NoGeometry { .. })));
     let mut params = Params::defaults(CSV_PARAMS);
     for (name, value) in [("first_rad", -2.356), ("last_rad", 2.093), ("range_max_m", 5.6)] {
-        params.set(name, Value::Number(value)).expect("allowed");
+        params.set(name, Value::Float(value)).expect("allowed");
     }
     let options = ReadOptions { csv: CsvGeometry::new(&params), ..ReadOptions::default() };
     let mut recording = Recording::open(&[path], &options, sensor(&[])).expect("a recording");

@@ -297,7 +297,7 @@ fn one_frame_can_be_selected_and_one_that_is_not_there_is_an_error() {
     let folder = Folder::new();
     let path = folder.add("f.mcap", &Form::CHUNKED.write(&two_sensors()));
     let of_frame = |frame: &str| {
-        let sensor = sensor(&[("frame_id", Value::Text(frame.to_owned()))]);
+        let sensor = sensor(&[("frame_id", Value::String(frame.to_owned()))]);
         Recording::open(std::slice::from_ref(&path), &ReadOptions::default(), sensor).expect("a recording")
     };
     let mut front = of_frame("front");

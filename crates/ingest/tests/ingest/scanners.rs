@@ -206,9 +206,9 @@ fn a_single_scanner_is_mounted_as_the_recording_states_unless_it_is_set() {
     let (stated, notes) = front_alone(records(), &[]);
     assert!((first_rad(&stated) - (FRONT[2] - 0.75 * PI)).abs() < 1e-6, "{}", first_rad(&stated));
     assert!(notes.iter().any(|note| note.contains("by /tf_static")), "{notes:?}");
-    let (set, notes) = front_alone(records(), &[("yaw_rad", crosscut_stage::Value::Number(0.1))]);
+    let (set, notes) = front_alone(records(), &[("yaw_rad", crosscut_stage::Value::Float(0.1))]);
     assert!((first_rad(&set) - (0.1 - 0.75 * PI)).abs() < 1e-6 && !notes.iter().any(|note| note.contains("tf_static")));
-    let (off, _) = front_alone(records(), &[("mount_from_tf", crosscut_stage::Value::Flag(false))]);
+    let (off, _) = front_alone(records(), &[("mount_from_tf", crosscut_stage::Value::Boolean(false))]);
     assert!((first_rad(&off) + 0.75 * PI).abs() < 1e-6);
 }
 

@@ -12,9 +12,9 @@ const FIRST: [f32; 3] = [1.5, 2.5, 3.5];
 fn options(columns: &str) -> ReadOptions {
     let mut params = Params::defaults(CSV_PARAMS);
     for (name, value) in [("last_rad", 0.7), ("range_max_m", 50.0), ("rate_hz", 4.0)] {
-        params.set(name, Value::Number(value)).expect("allowed");
+        params.set(name, Value::Float(value)).expect("allowed");
     }
-    params.set("columns", Value::Text(columns.to_owned())).expect("allowed");
+    params.set("columns", Value::String(columns.to_owned())).expect("allowed");
     ReadOptions { csv: CsvGeometry::new(&params), ..ReadOptions::default() }
 }
 

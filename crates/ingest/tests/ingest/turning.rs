@@ -101,7 +101,7 @@ fn walls_are_straight_after_a_turn_of_the_vehicle() {
         let covered_rad = (sweep.len() + sweep.missing) as f64 * sweep.step_rad;
         assert!((covered_rad - TAU).abs() < 0.02, "{covered_rad}");
 
-        let (skewed, notes) = last(scans(), &[("deskew", Value::Flag(false))]);
+        let (skewed, notes) = last(scans(), &[("deskew", Value::Boolean(false))]);
         assert!(farthest_from_walls_m(&skewed, rate_rad_s * middle_s) > 0.2);
         assert!(notes.is_empty(), "{notes:?}");
     }
@@ -139,7 +139,7 @@ fn scans_without_times_of_beams_or_turning_stay_unchanged() {
     ];
     for flight in flights {
         let (with, notes) = last(flight.iter().cloned(), &[]);
-        let (without, _) = last(flight.iter().cloned(), &[("deskew", Value::Flag(false))]);
+        let (without, _) = last(flight.iter().cloned(), &[("deskew", Value::Boolean(false))]);
         assert_eq!(with.points_m, without.points_m);
         assert!(notes.is_empty(), "{notes:?}");
     }
@@ -160,7 +160,7 @@ fn odometry_tells_the_turn_that_a_first_scan_cannot_show() {
         let own = if upside_down { -1.0 } else { 1.0 };
         let scan = scan(0, own * rate_rad_s, direction);
         let records = || odometry(0.0, rate_rad_s).chain([record_at("/scan", time_ns(0), &scan)]).collect();
-        let settings = [("upside_down", Value::Flag(upside_down))];
+        let settings = [("upside_down", Value::Boolean(upside_down))];
         let (mut revolution, notes) = last_of(records(), &settings);
         for point_m in &mut revolution.points_m {
             point_m.y *= own;
@@ -176,7 +176,7 @@ fn odometry_tells_the_turn_that_a_first_scan_cannot_show() {
         assert!(notes.iter().any(|note| note.starts_with(&turned)), "{notes:?}");
 
         let (skewed, notes) =
-            last_of(records(), &[("deskew", Value::Flag(false)), ("upside_down", Value::Flag(upside_down))]);
+            last_of(records(), &[("deskew", Value::Boolean(false)), ("upside_down", Value::Boolean(upside_down))]);
         assert!(skewed.odometry.is_some_and(|pose| pose.rotation.angle().abs() < 1e-6), "at the stamp");
         assert!(!notes.iter().any(|note| note.starts_with("turned")), "{notes:?}");
     }

@@ -121,7 +121,7 @@ pub(crate) fn turn(number: u64, range_m: impl Fn(usize) -> f32) -> Record {
 fn unknown(records: &[Record], find: bool) -> Vec<(usize, bool)> {
     let folder = Folder::new();
     let path = folder.add("f.mcap", &Form::CHUNKED.write(records));
-    let sensor = sensor(&[("find_blind_sectors", Value::Flag(find))]);
+    let sensor = sensor(&[("find_blind_sectors", Value::Boolean(find))]);
     let mut recording = Recording::open(&[path], &ReadOptions::default(), sensor).expect("a recording");
     let (mut revolution, mut out) = (Revolution::default(), Vec::new());
     loop {

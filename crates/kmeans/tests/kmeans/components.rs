@@ -1,13 +1,13 @@
 //! `components`: what is left out, and what it makes of a U that mixes its columns.
 
 use crosscut_kmeans::components::KIND;
-use crosscut_stage::{Embedding, Notes, Partition, Spectrum};
+use crosscut_stage::{Notes, Partition, Spectrum};
 use faer::{Mat, mat};
 
 fn run(min_cluster: u32, u: Mat<f64>) -> (Partition, Vec<String>) {
     let (mut out, mut notes) = (Partition::default(), Notes::default());
     let mut stage = KIND.with(&[("min_cluster", min_cluster.into())]).expect("in range");
-    let spectrum = Spectrum { k: u.ncols(), u: u.into(), ..Spectrum::default() };
+    let spectrum = Spectrum { k: u.ncols(), u, ..Spectrum::default() };
     stage.partition(&spectrum, &mut out, &mut notes).expect("any U will do");
     (out, notes.iter().map(str::to_owned).collect())
 }
@@ -47,8 +47,7 @@ fn a_u_whose_columns_share_a_row_or_leave_one_out_has_the_clusters_of_kmeans_and
 
 #[test]
 fn a_u_too_large_for_kmeans_is_refused_with_the_solver_to_choose() {
-    let mut u = Embedding::default();
-    u.write_rows(5000, 5000, |i, row| row.extend((i > 0).then_some((i as u32, 1.0))));
+    let u = Mat::from_fn(5000, 5000, |i, j| f64::from(u8::from(i == j && i > 0)));
     let spectrum = Spectrum { k: 5000, u, ..Spectrum::default() };
     let mut stage = KIND.with(&[]).expect("the defaults");
     let refused = stage.partition(&spectrum, &mut Partition::default(), &mut Notes::default()).expect_err("too large");
@@ -61,15 +60,14 @@ fn a_least_size_of_nothing_is_refused() {
 }
 
 #[test]
-fn many_components_have_the_clusters_of_few_without_a_matrix_of_n_by_k() {
-    let (n, k) = (300_000, 100_000);
-    let mut u = Embedding::default();
-    u.write_rows(n, k, |i, row| row.push(((i % k) as u32, 0.25 * (1 + i / k) as f64)));
+fn many_components_have_the_clusters_of_few() {
+    let (n, k) = (3000, 1000);
+    let u = Mat::from_fn(n, k, |i, j| if i % k == j { 0.25 * (1 + i / k) as f64 } else { 0.0 });
     let (mut out, mut notes) = (Partition::default(), Notes::default());
     let spectrum = Spectrum { k, u, ..Spectrum::default() };
     KIND.with(&[]).expect("the defaults").partition(&spectrum, &mut out, &mut notes).expect("disjoint columns");
     assert_eq!((out.clusters, out.centroids.nrows(), out.centroids.ncols()), (k, k, k));
     assert!((0..n).all(|i| out.labels[i] == Some((i % k) as u32)));
-    assert!((0..k).all(|c| out.centroids.row(c).eq([(c, 0.5)])));
+    assert_eq!(out.centroids, Mat::from_fn(k, k, |i, j| if i == j { 0.5 } else { 0.0 }));
     assert!((out.inertia - 2.0 * 0.0625 * k as f64).abs() < 1e-9, "0.25 off on either side: {}", out.inertia);
 }

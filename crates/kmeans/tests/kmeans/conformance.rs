@@ -114,7 +114,7 @@ fn centroids_are_means_and_the_inertia_is_that_of_labels_and_centroids() {
 fn turning_u_changes_no_label() {
     for_every_kind(&(components(0..40), vec(-3.0..3.0f64, 6)), |kind, (component_of_return, angles_rad)| {
         let spectrum = of_components(&component_of_return);
-        let mut u = spectrum.u.to_dense();
+        let mut u = spectrum.u.clone();
         for (p, angle_rad) in angles_rad.iter().enumerate().filter(|(p, _)| p + 1 < spectrum.k) {
             let (sin, cos) = angle_rad.sin_cos();
             for i in 0..u.nrows() {
@@ -122,7 +122,7 @@ fn turning_u_changes_no_label() {
                 (u[(i, p)], u[(i, p + 1)]) = (cos * x - sin * y, sin * x + cos * y);
             }
         }
-        let turned = Spectrum { u: u.into(), ..spectrum };
+        let turned = Spectrum { u, ..spectrum };
         let after = partition(kind, &turned);
         assert_eq!(after.labels, partition_of(kind, &component_of_return).labels);
     });
@@ -188,7 +188,7 @@ fn values_that_are_not_finite_and_a_u_of_the_wrong_width_are_refused() {
                 .expect_err("must be refused")
         };
         for bad in [f64::NAN, f64::INFINITY] {
-            let mut u = of_components(&[0, 1, 0, 1]).u.to_dense();
+            let mut u = of_components(&[0, 1, 0, 1]).u;
             u[(2, 0)] = bad;
             assert_eq!(
                 refused(&spectrum(u)),

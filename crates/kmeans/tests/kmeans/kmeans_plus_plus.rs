@@ -2,7 +2,7 @@
 
 use crosscut_conformance::for_many;
 use crosscut_kmeans::kmeans_plus_plus::KIND;
-use crosscut_stage::{Embedding, Notes, Partition, Spectrum};
+use crosscut_stage::{Notes, Partition, Spectrum};
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -110,16 +110,9 @@ fn each_number_out_of_range_is_refused() {
 }
 
 #[test]
-fn a_u_of_too_many_numbers_or_columns_is_refused_with_its_size() {
-    for (n, needed) in
-        [(100_000, "76294 MB and more than 1e15 operations"), (5000, "191 MB and more than 1e11 operations")]
-    {
-        let mut u = Embedding::default();
-        u.write_rows(n, n, |i, row| row.push((i as u32, 1.0)));
-        let spectrum = Spectrum { k: n, u, ..Spectrum::default() };
-        let mut stage = KIND.with(&[]).expect("the defaults");
-        let refused =
-            stage.partition(&spectrum, &mut Partition::default(), &mut Notes::default()).expect_err("too many");
-        assert!(refused.to_string().contains(needed), "{refused}");
-    }
+fn a_u_of_too_many_columns_is_refused_with_its_size() {
+    let spectrum = Spectrum { k: 5000, u: Mat::identity(5000, 5000), ..Spectrum::default() };
+    let mut stage = KIND.with(&[]).expect("the defaults");
+    let refused = stage.partition(&spectrum, &mut Partition::default(), &mut Notes::default()).expect_err("too many");
+    assert!(refused.to_string().contains("191 MB and more than 1e11 operations"), "{refused}");
 }

@@ -4,7 +4,7 @@ use std::io;
 
 use crate::stages::{Count, STAGES, config, registry, run};
 use crosscut_detector::{Config, Engine};
-use crosscut_pipeline::{End, StopFlag, StreamOptions, stream};
+use crosscut_pipeline::{RunEnd, StopFlag, StreamOptions, stream};
 use crosscut_stage::{FailureCause, Frame, Observer, ObserverError, Step};
 
 fn settings(workers: usize, in_flight: usize, more: &str) -> Config {
@@ -18,7 +18,7 @@ fn results_keep_the_order_of_the_source_whatever_the_workers_and_the_pool() {
         for in_flight in [1, 2, 3, 16] {
             let (summary, written) = run(&mut Count::to(50), &settings(workers, in_flight, ""));
             assert!(written.iter().copied().eq(0..50), "{workers} workers, {in_flight} in flight: {written:?}");
-            assert!(matches!(summary.end, End::Complete));
+            assert!(matches!(summary.end, RunEnd::Complete));
             assert_eq!((summary.revolutions, summary.noted), (50, 50));
         }
     }
@@ -27,7 +27,7 @@ fn results_keep_the_order_of_the_source_whatever_the_workers_and_the_pool() {
 #[test]
 fn an_empty_source_ends_at_once() {
     let (summary, written) = run(&mut Count::to(0), &settings(2, 4, ""));
-    assert!(written.is_empty() && matches!(summary.end, End::Complete));
+    assert!(written.is_empty() && matches!(summary.end, RunEnd::Complete));
 }
 
 #[test]
@@ -38,7 +38,7 @@ fn a_panic_in_any_stage_leaves_exactly_the_earlier_revolutions() {
                 let (summary, written) =
                     run(&mut Count::to(50), &settings(workers, 8, &format!("{section}.panic_at_x={at}")));
                 assert!(written.iter().copied().eq(0..at), "{section}, {workers} workers: {written:?}");
-                let End::Failed(failure) = summary.end else { panic!("{section}: {:?}", summary.end) };
+                let RunEnd::Failed(failure) = summary.end else { panic!("{section}: {:?}", summary.end) };
                 assert_eq!((failure.step, failure.seq), (step, at));
                 assert_eq!(failure.cause, FailureCause::Panic(format!("told to panic at {at}")));
             }
@@ -51,7 +51,7 @@ fn a_panic_in_the_report_leaves_exactly_the_earlier_revolutions() {
     // A cluster that there is not makes the report reach beyond its walls.
     let (summary, written) = run(&mut Count::to(50), &settings(2, 8, "kmeans.lie_at_x=17"));
     assert!(written.iter().copied().eq(0..17), "{written:?}");
-    let End::Failed(failure) = summary.end else { panic!("{:?}", summary.end) };
+    let RunEnd::Failed(failure) = summary.end else { panic!("{:?}", summary.end) };
     assert_eq!((failure.step, failure.seq), (Step::Report, 17));
     assert!(matches!(failure.cause, FailureCause::Panic(_)), "{}", failure.cause);
 }
@@ -61,7 +61,7 @@ fn an_error_in_any_stage_leaves_exactly_the_earlier_revolutions_and_says_where()
     for (section, step) in STAGES {
         let (summary, written) = run(&mut Count::to(50), &settings(2, 8, &format!("{section}.error_at_x=9")));
         assert!(written.iter().copied().eq(0..9));
-        let End::Failed(failure) = summary.end else { panic!("{:?}", summary.end) };
+        let RunEnd::Failed(failure) = summary.end else { panic!("{:?}", summary.end) };
         assert_eq!(failure.to_string(), format!("{step} failed on revolution 9: told to fail at 9"));
     }
 }
@@ -75,7 +75,7 @@ fn a_source_that_errs_or_panics_keeps_what_it_gave_before() {
     for (mut source, cause) in failing {
         let (summary, written) = run(&mut source, &settings(2, 8, ""));
         assert!(written.iter().copied().eq(0..5));
-        let End::Failed(failure) = summary.end else { panic!("{:?}", summary.end) };
+        let RunEnd::Failed(failure) = summary.end else { panic!("{:?}", summary.end) };
         assert_eq!((failure.step, failure.seq, failure.cause), (Step::Ingest, 5, cause));
     }
 }
@@ -92,7 +92,7 @@ fn results_that_cannot_be_written_end_the_run_and_say_so() {
         let summary =
             stream(&mut Count::to(50), &settings(2, 8, ""), &registry(), &mut sink, &mut [], &StreamOptions::default())
                 .expect("threads");
-        let End::ResultsLost(error) = summary.end else { panic!("{:?}", summary.end) };
+        let RunEnd::ResultsLost(error) = summary.end else { panic!("{:?}", summary.end) };
         assert!(error.to_string().contains(if panics { "told to panic" } else { "disk full" }));
         assert_eq!(summary.revolutions, 3);
     }
@@ -134,7 +134,7 @@ fn an_observer_that_fails_is_left_out_and_disturbs_neither_results_nor_the_other
     let options = StreamOptions::default();
     let summary = stream(&mut Count::to(20), &settings(2, 4, ""), &registry(), &mut sink, &mut observers, &options)
         .expect("threads");
-    assert!(matches!(summary.end, End::Complete), "results are complete");
+    assert!(matches!(summary.end, RunEnd::Complete), "results are complete");
     assert_eq!(written, 20);
     assert_eq!(summary.observer_errors, ["an observer panicked: the observer was told to panic", "gave up at 7"]);
     let saw = |i: usize| seen[i].lock().expect("one thread").clone();
@@ -151,7 +151,7 @@ fn a_revolution_that_failed_is_seen_after_all_others_unless_it_could_not_even_be
         let mut observers: [Box<dyn Observer>; 1] = [Box::new(watcher)];
         let options = StreamOptions::default();
         let ran = stream(source, &settings(2, 8, setting), &registry(), &mut |_| Ok(()), &mut observers, &options);
-        assert!(matches!(ran.expect("threads").end, End::Failed(_)));
+        assert!(matches!(ran.expect("threads").end, RunEnd::Failed(_)));
         seen.lock().expect("one thread").clone()
     };
     assert!(saw(&mut Count::to(50), "spectral.error_at_x=9").into_iter().eq((0..=9).chain([u64::MAX])));
@@ -173,7 +173,7 @@ fn stopping_finishes_what_is_in_flight_and_writes_no_gap() {
     let options = StreamOptions { stop: stop.clone(), ..StreamOptions::default() };
     let summary = stream(&mut Count::to(u64::MAX), &settings(4, 8, ""), &registry(), &mut sink, &mut [], &options)
         .expect("threads");
-    assert!(matches!(summary.end, End::Interrupted));
+    assert!(matches!(summary.end, RunEnd::Interrupted));
     assert!(written.len() >= 10 && written.iter().copied().eq(0..written.len() as u64), "{written:?}");
 }
 
@@ -206,7 +206,7 @@ fn a_run_that_was_read_to_its_end_is_complete_however_late_it_was_asked_to_stop(
         let summary = stream(&mut Count::to(10), &config, &registry(), &mut stop_at_last, &mut [], &options);
         let summary = summary.expect("threads");
         assert!(
-            matches!(summary.end, End::Complete) && summary.revolutions == 10,
+            matches!(summary.end, RunEnd::Complete) && summary.revolutions == 10,
             "{in_flight} in flight: {summary:?}"
         );
     }
@@ -215,7 +215,7 @@ fn a_run_that_was_read_to_its_end_is_complete_however_late_it_was_asked_to_stop(
     let mut observers: [Box<dyn Observer>; 1] = [Box::new(LateStop(stop))];
     let summary =
         stream(&mut Count::to(10), &settings(2, 4, ""), &registry(), &mut |_| Ok(()), &mut observers, &options);
-    assert!(matches!(summary.expect("threads").end, End::Complete), "observers were finishing");
+    assert!(matches!(summary.expect("threads").end, RunEnd::Complete), "observers were finishing");
 }
 
 #[test]
@@ -244,7 +244,7 @@ fn a_run_that_has_ended_does_not_wait_for_the_next_revolution_to_be_due() {
     let mut sink = |_: &Frame| Err(io::Error::other("disk full"));
     let start = std::time::Instant::now();
     let summary = stream(&mut Count::to(2), &settings(1, 4, ""), &registry(), &mut sink, &mut [], &options);
-    assert!(matches!(summary.expect("threads").end, End::ResultsLost(_)));
+    assert!(matches!(summary.expect("threads").end, RunEnd::ResultsLost(_)));
     assert!(start.elapsed().as_secs() < 500);
 }
 

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use crosscut_recorder::Scope;
 use crosscut_rrd::{Differences, Recording, differences};
-use crosscut_stage::{Embedding, Frame, Place, Step};
+use crosscut_stage::{Frame, Place, Step};
+use faer::Mat;
 
 use crate::frames;
 use crate::read_back::with_other_chunks;
@@ -29,9 +30,8 @@ fn open(path: &Path) -> Recording {
     Recording::open(path).expect("readable")
 }
 
-fn perturb(points: &mut Embedding) {
-    let (rows, columns) = (points.nrows(), points.ncols());
-    points.make_dense(rows, columns)[(0, 0)] += 1e-3;
+fn perturb(points: &mut Mat<f64>) {
+    points[(0, 0)] += 1e-3;
 }
 
 #[test]
@@ -112,14 +112,14 @@ fn each_step_is_told_by_what_it_makes() {
 }
 
 /// `m` times a matrix that turns its first two columns by 0.7 rad, with the first one mirrored.
-fn turned(m: &Embedding) -> Embedding {
+fn turned(m: &Mat<f64>) -> Mat<f64> {
     let (sin, cos) = 0.7_f64.sin_cos();
     let entry = |i: usize, j: usize| match j {
         0 => -(cos * m[(i, 0)] - sin * m[(i, 1)]),
         1 => sin * m[(i, 0)] + cos * m[(i, 1)],
         j => m[(i, j)],
     };
-    faer::Mat::from_fn(m.nrows(), m.ncols(), entry).into()
+    Mat::from_fn(m.nrows(), m.ncols(), entry)
 }
 
 #[test]

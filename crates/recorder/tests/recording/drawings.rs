@@ -2,7 +2,8 @@
 
 use crosscut_explain::Explanation;
 use crosscut_rrd::{Numbers, Value};
-use crosscut_stage::{Beam, Embedding, Frame};
+use crosscut_stage::{Beam, Frame};
+use faer::Mat;
 
 use crate::every_entity::sweep;
 
@@ -189,8 +190,8 @@ fn decisive(frame: &Frame) -> Vec<usize> {
 }
 
 /// Whether points are the first three columns of `rows`, with the scale that brings the farthest row of U to 1.
-fn is_drawn(value: &Value, rows: &Embedding, frame: &Frame) -> bool {
-    let row = |m: &Embedding, i: usize| [0, 1, 2].map(|j| if j < m.ncols() { m[(i, j)] } else { 0.0 });
+fn is_drawn(value: &Value, rows: &Mat<f64>, frame: &Frame) -> bool {
+    let row = |m: &Mat<f64>, i: usize| [0, 1, 2].map(|j| if j < m.ncols() { m[(i, j)] } else { 0.0 });
     let norm = |x: [f64; 3]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
     let u = &frame.spectrum.u;
     let reach = (0..u.nrows()).map(|i| norm(row(u, i))).fold(0.0, f64::max);

@@ -8,7 +8,7 @@ use crosscut_recorder::RecorderOptions;
 use crosscut_recorder::schema::{ENTITIES, Entity, When};
 use crosscut_rrd::{Array, Numbers, Recording, Value};
 use crosscut_stage::NoteCode::N101;
-use crosscut_stage::{Beam, Embedding, Frame, Step, Verdict};
+use crosscut_stage::{Beam, Frame, Step, Verdict};
 use rerun::external::arrow::datatypes::{ArrowPrimitiveType, Float16Type};
 
 use crate::reading::{self, record_with};
@@ -298,7 +298,7 @@ pub(crate) fn sweep(frame: &Frame) -> &crosscut_stage::Sweep {
     frame.revolution.sweep.as_ref().expect("a sweep")
 }
 
-fn rows(m: &Embedding) -> Vec<f64> {
+fn rows(m: &faer::Mat<f64>) -> Vec<f64> {
     (0..m.nrows() * m.ncols()).map(|at| m[(at / m.ncols(), at % m.ncols())]).collect()
 }
 

@@ -172,7 +172,7 @@ fn fill_spectrum(affinity: &Affinity, out: &mut Spectrum) {
     out.tolerance = TOLERANCE;
     out.k = all.iter().filter(|&&lambda| lambda < TOLERANCE).count();
     out.margin_decades = Spectrum::tolerance_margin_decades(&all, n, out.k, TOLERANCE);
-    out.u = Mat::from_fn(n, out.k, |i, j| eigen.U()[(i, j)]).into();
+    out.u = Mat::from_fn(n, out.k, |i, j| eigen.U()[(i, j)]);
     out.eigenvalues = all.into_iter().take(16).collect();
 }
 

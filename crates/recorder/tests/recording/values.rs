@@ -185,7 +185,7 @@ fn the_embedding_is_u_scaled_to_reach_one_and_the_centroids_lie_in_it() {
 fn an_embedding_of_one_column_lies_on_the_first_axis() {
     let mut frame = frames::frame(0);
     let n = frame.revolution.len();
-    frame.spectrum.u = Mat::from_fn(n, 1, |i, _| (i + 1) as f64).into();
+    frame.spectrum.u = Mat::from_fn(n, 1, |i, _| (i + 1) as f64);
     let recording = recorded(&[frame]);
     let points: Vec<components::Position3D> =
         recording.at("/spectral/embedding", Points3D::descriptor_positions(), 0).unwrap();

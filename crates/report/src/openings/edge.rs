@@ -7,7 +7,7 @@ use crosscut_scan::{Clearance, DOORWAY_TIMES, Doorway, Position, Return};
 use crosscut_stage::{Beam, Evidence, Known, Opening};
 
 use super::{LOOKOUT_M, WIDENS, bearing_rad, point};
-use crate::outline::Outline;
+use crate::wall_ring::WallRing;
 
 /// The line of a wall behind its end is that between two returns this far apart: over a shorter stretch, the line of a
 /// rough wall misses what is far off by more than its roughness.
@@ -16,9 +16,9 @@ const LINE_M: f64 = 1.5;
 /// The far side of a branch is no nearer to the direction of the nearer wall than 45°: the cosine of that.
 const BRANCH_COS: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-/// This many bisections of a way of at most 8 m or a half turn leave 1 cm or 0.2°.
+/// Bisections of a way: they leave 1 cm of 8 m, and 0.2° of a half turn.
 const BISECTIONS: usize = 10;
-/// What is farther by this factor is farther whatever was rounded.
+/// A distance that is larger by this factor is larger however both were rounded.
 const ROUNDING: f64 = 1.001;
 /// More pieces of a wall are seldom near where a branch is last seen.
 const NEAR_PIECES: usize = 32;
@@ -28,37 +28,37 @@ const NEAR_PIECES: usize = 32;
 pub(crate) struct WallEnd {
     /// Its return at the edge, counted in the outline.
     pub(crate) at: usize,
-    /// It lies clockwise of the edge.
+    /// The wall lies clockwise of the edge.
     pub(crate) is_clockwise: bool,
 }
 
 /// Two returns of walls, and the beams between them, anticlockwise.
-pub(crate) struct Edge<'a> {
-    pub(super) outline: &'a Outline,
+pub(crate) struct FreeEdge<'a> {
+    pub(crate) outline: &'a WallRing,
     pub(super) clockwise: WallEnd,
     pub(super) anticlockwise: WallEnd,
 }
 
 impl WallEnd {
     /// The returns of the wall, from the edge onward, half way round the ring at most.
-    fn along(self, outline: &Outline) -> impl Iterator<Item = &Return> {
+    fn along(self, outline: &WallRing) -> impl Iterator<Item = &Return> {
         outline.wall_from(self.at, !self.is_clockwise).take(outline.len().div_ceil(2))
     }
 
     /// The wall as a line from return to return: each return from the edge onward with the one before it.
-    fn line(self, outline: &Outline) -> impl Iterator<Item = [&Return; 2]> {
+    fn line(self, outline: &WallRing) -> impl Iterator<Item = [&Return; 2]> {
         let mut before = &outline.ring.returns[self.at];
         self.along(outline).map(move |after| [std::mem::replace(&mut before, after), after])
     }
 
     /// The wall as a line, each piece by the positions of its two ends.
-    fn line_m(self, outline: &Outline) -> impl Iterator<Item = [Position; 2]> {
+    fn line_m(self, outline: &WallRing) -> impl Iterator<Item = [Position; 2]> {
         self.line(outline).map(|piece| piece.map(|one| one.position_m))
     }
 
     /// The unit direction in which the wall runs towards this end, from the return of it that is about this far before
     /// the end; `None` of a single return.
-    pub(crate) fn runs_out(self, outline: &Outline, length_m: f64) -> Option<Position> {
+    pub(crate) fn runs_out(self, outline: &WallRing, length_m: f64) -> Option<Position> {
         let end_m = outline.position_m(self.at);
         let mut longest_m = Position::zeros();
         for one in self.along(outline) {
@@ -72,7 +72,7 @@ impl WallEnd {
 
     /// Where the wall, seen from the edge, comes within [`LOOKOUT_M`] of the sensor; its end at the edge if it does
     /// not.
-    pub(super) fn anchor_m(self, outline: &Outline) -> Position {
+    pub(super) fn anchor_m(self, outline: &WallRing) -> Position {
         let within = self.line(outline).find(|[_, after]| after.range_m <= LOOKOUT_M);
         within.map_or(outline.position_m(self.at), |[before, after]| {
             if before.range_m <= LOOKOUT_M {
@@ -84,7 +84,7 @@ impl WallEnd {
     }
 
     /// The place of the wall that is nearest to a point.
-    fn nearest_m(self, outline: &Outline, point_m: Position) -> Position {
+    fn nearest_m(self, outline: &WallRing, point_m: Position) -> Position {
         let (mut nearest_m, mut least) = (outline.position_m(self.at), f64::INFINITY);
         for piece_m in self.line_m(outline) {
             // This needs no division, and excludes most pieces.
@@ -101,16 +101,16 @@ impl WallEnd {
     }
 }
 
-impl<'a> Edge<'a> {
+impl<'a> FreeEdge<'a> {
     /// The edge from one return of the outline anticlockwise to another.
-    pub(crate) fn between(outline: &'a Outline, [from, to]: [usize; 2]) -> Self {
+    pub(crate) fn between(outline: &'a WallRing, [from, to]: [usize; 2]) -> Self {
         let clockwise = WallEnd { at: from, is_clockwise: true };
         let anticlockwise = WallEnd { at: to, is_clockwise: false };
         Self { outline, clockwise, anticlockwise }
     }
 
     /// The edges between every two neighbouring returns that are of two walls, or at least this far from each other.
-    pub(crate) fn all(outline: &'a Outline, least_m: f64) -> impl Iterator<Item = Self> {
+    pub(crate) fn all(outline: &'a WallRing, least_m: f64) -> impl Iterator<Item = Self> {
         let is_edge = move |&[from, to]: &[usize; 2]| {
             outline.wall(from) != outline.wall(to) || outline.ring.are_apart(from, to, least_m)
         };
@@ -166,10 +166,6 @@ impl<'a> Edge<'a> {
         let (before, after) = (before?, after?);
         let leads_away = before.dot(&after).abs() < BRANCH_COS;
         leads_away.then(|| Clearance::at(to_m - from_m, [before, -after], self.by_range()[0].is_clockwise))
-    }
-
-    pub(crate) fn outline(&self) -> &'a Outline {
-        self.outline
     }
 
     /// How far its nearer end is from the sensor.

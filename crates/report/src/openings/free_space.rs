@@ -3,15 +3,15 @@
 use crosscut_scan::Position;
 use crosscut_stage::{Opening, Revolution};
 
-use super::{DEPTH_M, Edge};
-use crate::outline::Outline;
+use super::{DEPTH_M, FreeEdge};
+use crate::wall_ring::WallRing;
 
 /// An opening, and the middle of its mouth.
 type Mouth = (Opening, Position);
 
 /// Every edge that the vehicle can pass into free space, those into the same branch joined.
-pub(super) fn search(revolution: &Revolution, outline: &Outline, vehicle_width_m: f64) -> Vec<Opening> {
-    let edges = Edge::all(outline, vehicle_width_m).filter(|edge| is_passable(edge, revolution, vehicle_width_m));
+pub(super) fn search(revolution: &Revolution, outline: &WallRing, vehicle_width_m: f64) -> Vec<Opening> {
+    let edges = FreeEdge::all(outline, vehicle_width_m).filter(|edge| is_passable(edge, revolution, vehicle_width_m));
     let mut mouths: Vec<Mouth> = edges.map(|edge| edge.opening()).collect();
     // The nearest to each other are joined first, so that it does not matter where the outline begins.
     while let Some((at, next)) = nearest_into_one_branch(&mouths, outline.ring.full_turn) {
@@ -22,7 +22,7 @@ pub(super) fn search(revolution: &Revolution, outline: &Outline, vehicle_width_m
 }
 
 /// Whether the vehicle can pass, and the walls leave each other's line by its width.
-fn is_passable(edge: &Edge<'_>, revolution: &Revolution, vehicle_width_m: f64) -> bool {
+fn is_passable(edge: &FreeEdge<'_>, revolution: &Revolution, vehicle_width_m: f64) -> bool {
     let [from_m, to_m] = edge.ends_m();
     if (from_m - to_m).norm() < vehicle_width_m || !edge.is_known() {
         return false;

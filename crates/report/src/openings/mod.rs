@@ -53,8 +53,8 @@ mod free_space;
 use crosscut_scan::Position;
 use crosscut_stage::{Beam, Evidence, Known, Opening, Point, Revolution, Verdict};
 
-pub(crate) use self::edge::{Edge, WallEnd};
-use crate::outline::Outline;
+pub(crate) use self::edge::{FreeEdge, WallEnd};
+use crate::wall_ring::WallRing;
 
 /// The free space beyond an opening is at least this deep, or not seen to be shallower.
 pub const DEPTH_M: f64 = 3.0;
@@ -68,10 +68,10 @@ pub const WIDENS: f64 = 2.5;
 /// Which edges are openings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum OpeningRule {
-    /// Those through which the vehicle fits into free space.
+    /// The edges through which the vehicle fits into free space.
     #[default]
     FreeSpace,
-    /// Those where the affinity decided that a wall ends; without its verdicts, those between two walls.
+    /// The edges where the affinity decided that a wall ends; without its verdicts, the edges between two walls.
     BetweenWalls,
 }
 
@@ -81,7 +81,7 @@ pub fn find(
     rule: OpeningRule,
     revolution: &Revolution,
     verdicts: &[Verdict],
-    outline: &Outline,
+    outline: &WallRing,
     vehicle_width_m: f64,
     out: &mut Vec<Opening>,
 ) {
@@ -92,7 +92,8 @@ pub fn find(
             out.extend(between_walls(decided(verdicts, outline), vehicle_width_m));
         }
         OpeningRule::BetweenWalls if !is_one_wall => {
-            let edges = Edge::all(outline, vehicle_width_m).filter(|edge| edge.is_between_walls() && edge.is_known());
+            let edges =
+                FreeEdge::all(outline, vehicle_width_m).filter(|edge| edge.is_between_walls() && edge.is_known());
             out.extend(between_walls(edges, vehicle_width_m));
         }
         _ => out.extend(free_space::search(revolution, outline, vehicle_width_m)),
@@ -106,7 +107,7 @@ pub fn find(
 
 /// The edges where the affinity found an opening. Where an island, or another piece of no wall, is on the far side, the
 /// edge reaches to the end of the next such gap.
-fn decided<'a>(verdicts: &[Verdict], outline: &'a Outline) -> impl Iterator<Item = Edge<'a>> {
+fn decided<'a>(verdicts: &[Verdict], outline: &'a WallRing) -> impl Iterator<Item = FreeEdge<'a>> {
     let openings = || verdicts.iter().filter(|verdict| verdict.is_opening).map(|verdict| verdict.returns);
     let starts = openings().filter_map(|[from, to]| Some((outline.place_of(from)?, to)));
     let edges = starts.filter_map(move |(from, mut to)| {
@@ -121,11 +122,11 @@ fn decided<'a>(verdicts: &[Verdict], outline: &'a Outline) -> impl Iterator<Item
     let wraps = |[from, to]: [usize; 2]| to <= from;
     let edges: Vec<_> = edges.filter(|pair| outline.ring.full_turn || !wraps(*pair)).collect();
     let parts = edges.into_iter().flat_map(|pair| parts(outline, pair));
-    parts.map(|pair| Edge::between(outline, pair)).filter(Edge::is_known)
+    parts.map(|pair| FreeEdge::between(outline, pair)).filter(FreeEdge::is_known)
 }
 
 /// The parts of an edge between which other walls stand: what the affinity took for an island may count as a wall.
-fn parts(outline: &Outline, [from, to]: [usize; 2]) -> Vec<[usize; 2]> {
+fn parts(outline: &WallRing, [from, to]: [usize; 2]) -> Vec<[usize; 2]> {
     let (n, beside) = (outline.len(), [from, to].map(|at| outline.wall(at)));
     let (mut parts, mut start) = (Vec::new(), from);
     for at in (1..(to + n - from) % n).map(|step| (from + step) % n) {
@@ -143,20 +144,22 @@ fn parts(outline: &Outline, [from, to]: [usize; 2]) -> Vec<[usize; 2]> {
 }
 
 /// The edges of an opening, of which there are several where a wall is seen through a doorway; none if the view cuts it.
-pub(crate) fn edges_of<'a>(opening: &Opening, outline: &'a Outline) -> Vec<Edge<'a>> {
-    let whole = [opening.returns].into_iter().filter(|_| opening.gaps.is_empty());
-    let gaps = whole.chain(opening.gaps.iter().map(|gap| gap.map(Some)));
-    let places = gaps.filter_map(|[from, to]| Some([outline.place_of(from?)?, outline.place_of(to?)?]));
-    places.map(|pair| Edge::between(outline, pair)).collect()
+pub(crate) fn edges_of<'a>(opening: &Opening, outline: &'a WallRing) -> Vec<FreeEdge<'a>> {
+    let whole = match opening.returns {
+        [Some(from), Some(to)] if opening.gaps.is_empty() => Some([from, to]),
+        _ => None,
+    };
+    let gaps = whole.iter().chain(&opening.gaps);
+    gaps.filter_map(|&gap| outline.places_of(gap)).map(|pair| FreeEdge::between(outline, pair)).collect()
 }
 
 /// The openings at edges where a wall ends. Those that begin at the two sides of a doorway are one.
-fn between_walls<'a>(edges: impl Iterator<Item = Edge<'a>>, vehicle_width_m: f64) -> Vec<Opening> {
+fn between_walls<'a>(edges: impl Iterator<Item = FreeEdge<'a>>, vehicle_width_m: f64) -> Vec<Opening> {
     let mut edges: Vec<_> = edges.collect();
     edges.sort_by_key(|edge| edge.clockwise.at);
     let count = edges.len();
     let last_behind_doorway = |first: usize| {
-        let others = if edges[first].outline().ring.full_turn { count } else { count - first };
+        let others = if edges[first].outline.ring.full_turn { count } else { count - first };
         (1..others).rev().find(|more| edges[first].is_doorway_to(&edges[(first + more) % count], vehicle_width_m))
     };
     let doorways: Vec<_> = (0..count).filter_map(|first| Some((first, last_behind_doorway(first)?))).collect();
@@ -174,7 +177,7 @@ fn between_walls<'a>(edges: impl Iterator<Item = Edge<'a>>, vehicle_width_m: f64
 }
 
 /// The opening at one edge. A way into a room is no wider than its door.
-fn into_branch(edge: &Edge<'_>, vehicle_width_m: f64) -> Opening {
+fn into_branch(edge: &FreeEdge<'_>, vehicle_width_m: f64) -> Opening {
     let (mut opening, _) = edge.opening();
     if let Some(doorway_m) = edge.doorway_m(vehicle_width_m) {
         opening.width_m = opening.width_m.min(doorway_m);
@@ -183,13 +186,13 @@ fn into_branch(edge: &Edge<'_>, vehicle_width_m: f64) -> Opening {
 }
 
 /// Whether the view goes all the way round, and something is known between any two walls.
-pub(crate) fn sees_all(outline: &Outline) -> bool {
-    let knows_all = || Edge::all(outline, f64::INFINITY).all(|edge| edge.is_known());
+pub(crate) fn sees_all(outline: &WallRing) -> bool {
+    let knows_all = || FreeEdge::all(outline, f64::INFINITY).all(|edge| edge.is_known());
     outline.ring.full_turn && (!outline.ring.beams.contains(&Beam::Unknown) || knows_all())
 }
 
 /// Openings that an end of a limited view cuts.
-fn cut_by_view(outline: &Outline, vehicle_width_m: f64) -> impl Iterator<Item = Opening> {
+fn cut_by_view(outline: &WallRing, vehicle_width_m: f64) -> impl Iterator<Item = Opening> {
     let ends = outline.len().checked_sub(1).map(|last| {
         let [before, after] = [(0, false), (last, true)];
         [before, after].map(|(at, is_clockwise)| WallEnd { at, is_clockwise })
@@ -198,7 +201,7 @@ fn cut_by_view(outline: &Outline, vehicle_width_m: f64) -> impl Iterator<Item = 
 }
 
 /// The opening between the end of a wall and the end of the view.
-fn cut_beside(wall: WallEnd, outline: &Outline, vehicle_width_m: f64) -> Option<Opening> {
+fn cut_beside(wall: WallEnd, outline: &WallRing, vehicle_width_m: f64) -> Option<Opening> {
     if outline.room_to_end_m(wall.at, wall.is_clockwise) < vehicle_width_m {
         return None;
     }

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use crate::scenes::{Segment, scan, tee, tunnel};
 use crosscut_report::openings::{OpeningRule, find};
-use crosscut_report::{Outline, PARAMS, Reporter, VEHICLE_PARAMS};
+use crosscut_report::{PARAMS, Reporter, VEHICLE_PARAMS, WallRing};
 use crosscut_stage::{
     Beam, Evidence, Junction, Known, KnownGaps, Notes, Opening, Params, Partition, Revolution, Spectrum, Verdict,
 };
@@ -27,7 +27,7 @@ fn openings_with(
     (revolution, walls): &(Revolution, Vec<Option<u32>>),
     verdicts: &[Verdict],
 ) -> Vec<Opening> {
-    let (mut outline, mut found) = (Outline::default(), Vec::new());
+    let (mut outline, mut found) = (WallRing::default(), Vec::new());
     if let Some(sweep) = &revolution.sweep {
         outline.fill(revolution, sweep, walls).expect("in message order");
     }

@@ -7,7 +7,7 @@ use nalgebra::{UnitComplex, Vector2};
 
 /// Beams all around, as wide as the angle from one to the next.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Fan {
+pub(super) struct LevelBeams {
     /// The bearing of the middle of the first one.
     pub(super) first_rad: f64,
     pub(super) beams: usize,
@@ -15,7 +15,7 @@ pub(super) struct Fan {
     edges: Vec<Vector2<f64>>,
 }
 
-impl Fan {
+impl LevelBeams {
     pub(super) fn open(&mut self, first_rad: f64, beams: usize) {
         (self.first_rad, self.beams) = (first_rad, beams);
         let step_rad = self.step_rad();
@@ -68,7 +68,7 @@ mod tests {
 
     #[test]
     fn every_guess_finds_the_beam_of_a_place() {
-        let mut fan = Fan::default();
+        let mut fan = LevelBeams::default();
         for (first_rad, beams) in [(0.0, 1), (-2.0, 2), (1.0, 3), (3.0, 7), (-3.1, 720)] {
             fan.open(first_rad, beams);
             for beam in 0..beams {

@@ -7,7 +7,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use crosscut_stage::{Beam, Frame, Point, Revolution, Sweep, widest_run};
 
-use fan::Fan;
+use fan::LevelBeams;
 use usual::Usual;
 
 /// The beams of a level view; each is at least half a degree wide.
@@ -48,7 +48,7 @@ pub struct LevelView {
     level: Vec<LevelReturn>,
     /// The level returns in the order of the cloud.
     undealt: Vec<LevelReturn>,
-    fan: Fan,
+    fan: LevelBeams,
     usual: Usual,
     /// The return that each beam sees; the first beam sees the nearest level return.
     met: Vec<Option<LevelReturn>>,

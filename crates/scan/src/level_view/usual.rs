@@ -1,5 +1,7 @@
 //! How many returns a beam of a cloud usually has: what tells a wall from dust.
 
+use crate::median;
+
 /// A beam that met a wall has at least this share of the usual number of returns. With fewer it met dust, or a cable.
 const SHARE: f64 = 0.25;
 /// The usual number is known at this many ranges, from the vehicle outward.
@@ -38,12 +40,10 @@ impl Usual {
         for of_beam in &mut self.counts {
             (1..RANGES).rev().for_each(|at| of_beam[at - 1] += of_beam[at]);
         }
-        for (at, median) in self.medians.iter_mut().enumerate() {
+        for (at, of_range) in self.medians.iter_mut().enumerate() {
             self.of_beams.clear();
             self.of_beams.extend(self.counts.iter().map(|of_beam| of_beam[at]).filter(|&count| count > 0));
-            let middle = self.of_beams.len() / 2;
-            let is_any = !self.of_beams.is_empty();
-            *median = if is_any { *self.of_beams.select_nth_unstable(middle).1 } else { 0 };
+            *of_range = median(&mut self.of_beams, u32::cmp);
         }
     }
 

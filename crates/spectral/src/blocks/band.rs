@@ -2,7 +2,6 @@
 
 use super::graph::Graph;
 use super::order::Order;
-use super::split::Split;
 
 /// The longest edges that the kernels are compiled for: to 2 neighbours on either side, as along a wall, and to 4.
 const USUAL_WIDTHS: [usize; 2] = [2, 4];
@@ -23,10 +22,10 @@ pub(crate) struct Band {
 }
 
 impl Band {
-    /// Forms one block of `graph`, with edges as long as `width` in the order of its returns. `leaks` are the weights
-    /// of each return's edges to other blocks, which are set aside.
-    pub(crate) fn form(&mut self, graph: &Graph<'_>, leaks: &[f64], order: &Order, block: usize, width: usize) {
-        let (members, rank) = (order.members(block), order.ranks(block));
+    /// Forms one block of `graph`, in the order of its returns. `leaks` are the weights of each return's edges to other
+    /// blocks, which are set aside.
+    pub(crate) fn form(&mut self, graph: &Graph, leaks: &[f64], order: &Order, block: usize) {
+        let (members, rank, width) = (order.members(block), order.ranks(block), order.longest[block]);
         self.n = members.len();
         self.stride = 1 + USUAL_WIDTHS.into_iter().find(|&usual| width <= usual).unwrap_or(width);
         self.entries.clear();
@@ -40,15 +39,6 @@ impl Band {
                 }
             }
         }
-    }
-
-    /// Copies one of the blocks that are narrow.
-    pub(crate) fn copy_narrow(&mut self, narrow: &NarrowBands, order: &Order, block: usize) {
-        let span = order.span(block);
-        (self.n, self.stride) = (span.len(), NARROW);
-        self.entries.clear();
-        // The entries after the block are below its columns, which have zeros there.
-        self.entries.extend_from_slice(narrow.columns[span.start..span.end + NARROW].as_flattened());
     }
 
     /// Solves (L - shift·I) x = `x` in place by a factorisation; the number of its negative pivots, which is returned,
@@ -85,43 +75,6 @@ impl Band {
                 eliminate_wide(&mut self.factor, self.n, stride, shift, |_, _, _| ())
             }
         }
-    }
-}
-
-/// The Laplacians of all blocks, one below the other: those whose edges are no longer than along a wall are whole.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct NarrowBands {
-    columns: Vec<[f64; NARROW]>,
-    /// The longest edge of each block that is not whole, else 0.
-    too_long: Vec<usize>,
-}
-
-impl NarrowBands {
-    /// Forms the blocks of `graph`, the edges between them set aside.
-    pub(crate) fn form(&mut self, graph: &Graph<'_>, split: &Split, order: &Order) {
-        let (places, leaks) = (order.places(), split.leaks());
-        self.too_long.clear();
-        self.too_long.resize(split.len(), 0);
-        self.columns.clear();
-        self.columns.resize(places.len() + NARROW, [0.0; NARROW]);
-        for (i, &place) in places.iter().enumerate() {
-            self.columns[place as usize][0] = graph.diagonal(i, leaks[i]);
-        }
-        for edge in split.edges_within() {
-            let [from, to] = [edge.from, edge.to].map(|i| places[i as usize] as usize);
-            let length = from.abs_diff(to);
-            if let Some(entry) = self.columns[from.min(to)].get_mut(length) {
-                *entry = -edge.scaled;
-            } else {
-                let too_long = &mut self.too_long[split.block_of_return()[edge.from as usize] as usize];
-                *too_long = length.max(*too_long);
-            }
-        }
-    }
-
-    /// The longest edge of a block, in places, if that is too long: then the block is not whole.
-    pub(crate) fn too_long(&self, block: usize) -> Option<usize> {
-        Some(self.too_long[block]).filter(|&length| length > 0)
     }
 }
 

@@ -2,39 +2,35 @@
 
 use crosscut_stage::{Affinity, Csr, StageError, Weights};
 
-/// W and D of a sound affinity.
-#[derive(Clone, Copy)]
-pub(crate) struct Graph<'a> {
-    /// W, by rows.
-    pub(crate) edges: &'a Csr,
-    pub(crate) degrees: &'a [f64],
-    /// The diagonal of D^-1/2.
-    inverse_sqrt_degrees: &'a [f64],
-}
-
-/// The buffers of a graph.
+/// W and D of a sound affinity, in buffers that are used again.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct GraphBuffers {
+pub(crate) struct Graph {
+    /// W, by rows.
+    pub(crate) edges: Csr,
+    pub(crate) degrees: Vec<f64>,
+    /// The diagonal of D^-1/2.
     inverse_sqrt_degrees: Vec<f64>,
-    /// Those of a dense W.
-    edges: Csr,
 }
 
-impl GraphBuffers {
-    /// The graph of an affinity whose degrees are sound.
+impl Graph {
+    /// Takes an affinity whose degrees are sound.
     ///
     /// # Errors
     /// When a weight is not finite.
-    pub(crate) fn graph<'a>(&'a mut self, affinity: &'a Affinity) -> Result<Graph<'a>, StageError> {
-        let Self { inverse_sqrt_degrees, edges: buffer } = self;
-        let (edges, degrees) = (edges(&affinity.weights, buffer)?, &affinity.degrees[..]);
+    pub(crate) fn fill(&mut self, affinity: &Affinity) -> Result<(), StageError> {
+        let Self { edges, degrees, inverse_sqrt_degrees } = self;
+        copy(&affinity.weights, edges);
+        degrees.clone_from(&affinity.degrees);
         inverse_sqrt_degrees.clear();
         inverse_sqrt_degrees.extend(degrees.iter().map(|degree| degree.sqrt().recip()));
-        Ok(Graph { edges, degrees, inverse_sqrt_degrees })
+        let is_finite = |weights: &[f64]| weights.iter().fold(true, |finite, weight| finite & weight.is_finite());
+        if is_finite(edges.values()) {
+            return Ok(());
+        }
+        let index = (0..edges.n()).find(|&i| !is_finite(edges.row(i).1)).unwrap_or_default();
+        Err(StageError::NotFinite { what: "the affinity", index })
     }
-}
 
-impl Graph<'_> {
     /// The edges of return `i` to earlier ones, each with W_ij and W_ij / √(D_ii D_jj); an entry of W that is 0, or where
     /// that is 0, is none.
     #[inline]
@@ -67,28 +63,12 @@ pub(crate) struct Edge {
     pub(crate) scaled: f64,
 }
 
-/// W by its nonzero entries: `weights` itself if it is sparse, else copied into `buffer`.
-///
-/// # Errors
-/// When a weight is not finite.
-fn edges<'a>(weights: &'a Weights, buffer: &'a mut Csr) -> Result<&'a Csr, StageError> {
-    let edges = match weights {
-        Weights::Sparse(w) => w,
-        other => {
-            copy(other, buffer);
-            buffer
-        }
-    };
-    let finite = |weights: &[f64]| weights.iter().fold(true, |finite, weight| finite & weight.is_finite());
-    if finite(edges.values()) {
-        return Ok(edges);
-    }
-    let index = (0..edges.n()).find(|&i| !finite(edges.row(i).1)).unwrap_or_default();
-    Err(StageError::NotFinite { what: "the affinity", index })
-}
-
-/// W is symmetric: its columns, in which a dense one is stored, are its rows.
+/// W by its nonzero entries. W is symmetric: its columns, in which a dense one is stored, are its rows.
 fn copy(weights: &Weights, out: &mut Csr) {
+    if let Weights::Sparse(w) = weights {
+        out.clone_from(w);
+        return;
+    }
     out.clear();
     weights.for_each(|i, j, weight| {
         while out.n() < j {

@@ -7,24 +7,24 @@ mod order;
 mod split;
 
 use crosscut_stage::NoteCode::{N071, N072};
-use crosscut_stage::{Affinity, Embedding, Kind, Notes, SpectralStage, Spectrum, StageError};
+use crosscut_stage::{Affinity, Kind, Notes, SpectralStage, Spectrum, StageError};
+use faer::Mat;
 
 use crate::degrees::check_degrees;
+use crate::embedding::make_zero;
 use crate::faer_evd::FaerEvd;
 use crate::zeros::ZERO_TOLERANCE;
-use band::{Band, NarrowBands};
+use band::Band;
 use fiedler::Fiedler;
-use graph::{Graph, GraphBuffers};
+use graph::Graph;
 use order::Order;
-use split::Split;
+use split::{MOST_DECOMPOSED, Split};
 
 /// Edges of W_ij / √(D_ii D_jj) below this are set aside and their effect is computed, if that leaves zeros.
 const WEAK_LINK: f64 = 1e-3;
 
 /// Blocks with longer edges, in the best order of their returns that was found, are decomposed in full.
 const WIDEST_BAND: usize = 64;
-/// A full decomposition of more rows, which would take 0.7 GB, is refused.
-const MOST_DECOMPOSED: usize = 4096;
 
 /// The solver of sparse graphs.
 pub const KIND: Kind<dyn SpectralStage> = Kind::spectral(
@@ -34,7 +34,7 @@ pub const KIND: Kind<dyn SpectralStage> = Kind::spectral(
         let tolerance = params.get(ZERO_TOLERANCE);
         Box::new(Blocks {
             tolerance,
-            graph: GraphBuffers::default(),
+            graph: Graph::default(),
             solver: Solver::default(),
             full: FaerEvd::new(tolerance),
         })
@@ -59,7 +59,7 @@ pub const KIND: Kind<dyn SpectralStage> = Kind::spectral(
 /// returns, as no wall's are.
 struct Blocks {
     tolerance: f64,
-    graph: GraphBuffers,
+    graph: Graph,
     solver: Solver,
     full: FaerEvd,
 }
@@ -100,7 +100,6 @@ impl Decomposed {
 struct Solver {
     split: Split,
     order: Order,
-    narrow: NarrowBands,
     band: Band,
     fiedler: Fiedler,
     zero: Vec<f64>,
@@ -111,28 +110,29 @@ struct Solver {
 }
 
 impl Solver {
-    fn solve(&mut self, graph: &Graph<'_>, weak_link: f64, tolerance: f64) -> Result<(), StageError> {
+    fn solve(&mut self, graph: &Graph, weak_link: f64, tolerance: f64) -> Result<(), StageError> {
         self.split.form(graph, weak_link, tolerance)?;
-        self.order.form(self.split.block_of_return(), self.split.len());
-        self.narrow.form(graph, &self.split, &self.order);
+        self.order.form(&self.split);
         self.next = None;
         self.several.clear();
         // A large block has a small one as a rule: of the others it is then enough to know that theirs is no less.
-        let largest = (0..self.split.len()).max_by_key(|&block| self.order.members(block).len());
-        let others = (0..self.split.len()).filter(|&block| Some(block) != largest);
+        let largest = (0..self.split.volumes.len()).max_by_key(|&block| self.order.members(block).len());
+        let others = (0..self.split.volumes.len()).filter(|&block| Some(block) != largest);
         for block in largest.into_iter().chain(others) {
             if self.order.members(block).len() == 1 {
                 continue;
             }
-            let Self { split, order, narrow, band, fiedler, zero, .. } = self;
-            if !form_band(graph, split, order, block, narrow, band) {
+            self.order.shorten(graph, block);
+            if self.order.longest[block] > WIDEST_BAND {
                 self.several.push(block);
                 continue;
             }
+            let Self { split, order, band, fiedler, zero, .. } = self;
+            band.form(graph, &split.leaks, order, block);
             if self.next.is_some_and(|next| band.count_below(next) <= 1) {
                 continue;
             }
-            let volume = split.volumes()[block];
+            let volume = split.volumes[block];
             zero.clear();
             zero.extend(order.members(block).iter().map(|&i| (graph.degrees[i as usize] / volume).sqrt()));
             match fiedler.find(band, zero) {
@@ -155,44 +155,22 @@ impl Solver {
 
     /// Writes U of returns of these degrees: one column for each block, in their order, or those of `decomposed`,
     /// ascending.
-    fn embed(&self, degrees: &[f64], decomposed: &[Decomposed], u: &mut Embedding) {
-        let mut first: Vec<u32> = (0..self.split.len() as u32).collect();
+    fn embed(&self, degrees: &[f64], decomposed: &[Decomposed], u: &mut Mat<f64>) {
+        let mut first: Vec<usize> = (0..self.split.volumes.len()).collect();
         for Decomposed { block, spectrum, .. } in decomposed {
-            first[block + 1..].iter_mut().for_each(|first| *first += spectrum.k as u32 - 1);
+            first[block + 1..].iter_mut().for_each(|first| *first += spectrum.k - 1);
         }
-        let columns = self.split.len() + decomposed.iter().map(|block| block.spectrum.k - 1).sum::<usize>();
-        u.write_rows(degrees.len(), columns, |i, row| {
-            let block = self.split.block_of_return()[i] as usize;
-            match decomposed.iter().find(|other| other.block == block) {
-                Some(Decomposed { members, spectrum, .. }) => {
-                    let rank = members.binary_search(&(i as u32)).expect("a return is in its block");
-                    row.extend(spectrum.u.row(rank).map(|(j, value)| (first[block] + j as u32, value)));
-                }
-                None => row.push((first[block], (degrees[i] / self.split.volumes()[block]).sqrt())),
+        let columns = self.split.volumes.len() + decomposed.iter().map(|block| block.spectrum.k - 1).sum::<usize>();
+        make_zero(u, degrees.len(), columns);
+        for (i, (degree, &block)) in degrees.iter().zip(&self.split.block_of_return).enumerate() {
+            u[(i, first[block as usize])] = (degree / self.split.volumes[block as usize]).sqrt();
+        }
+        for Decomposed { block, members, spectrum } in decomposed {
+            for (rank, &i) in members.iter().enumerate() {
+                (0..spectrum.k).for_each(|j| u[(i as usize, first[*block] + j)] = spectrum.u[(rank, j)]);
             }
-        });
+        }
     }
-}
-
-/// Forms the Laplacian of a block, the edges to others set aside, as a band; whether it is narrow enough.
-fn form_band(
-    graph: &Graph<'_>,
-    split: &Split,
-    order: &mut Order,
-    block: usize,
-    narrow: &NarrowBands,
-    band: &mut Band,
-) -> bool {
-    let Some(longest) = narrow.too_long(block) else {
-        band.copy_narrow(narrow, order, block);
-        return true;
-    };
-    let longest = order.shorten(graph, block, longest);
-    if longest > WIDEST_BAND {
-        return false;
-    }
-    band.form(graph, split.leaks(), order, block, longest);
-    true
 }
 
 /// The graph of some returns alone.
@@ -216,14 +194,14 @@ impl SpectralStage for Blocks {
         check_degrees(affinity)?;
         let degrees = &affinity.degrees;
         let Self { tolerance, ref mut graph, ref mut solver, ref mut full } = *self;
-        let graph = graph.graph(affinity)?;
-        solver.solve(&graph, WEAK_LINK, tolerance)?;
-        if solver.split.has_weak_edges() && !solver.several.is_empty() {
+        graph.fill(affinity)?;
+        solver.solve(graph, WEAK_LINK, tolerance)?;
+        if !solver.split.between.is_empty() && !solver.several.is_empty() {
             notes.add(
                 N072,
                 "blocks: no edge set aside, as a wall between weak edges is itself almost two, or its edges are long",
             );
-            solver.solve(&graph, 0.0, tolerance)?;
+            solver.solve(graph, 0.0, tolerance)?;
         }
         let several = solver.several.iter();
         let decompose = |&block| Decomposed::new(full, affinity, solver.members(block), block, notes);
@@ -235,7 +213,7 @@ impl SpectralStage for Blocks {
         out.eigenvalues.clear();
         let spectra = || decomposed.iter().map(|block| &block.spectrum);
         out.eigenvalues.extend(spectra().flat_map(|spectrum| &spectrum.eigenvalues[..spectrum.k]));
-        out.eigenvalues.extend(solver.split.eigenvalues());
+        out.eigenvalues.extend(&solver.split.eigenvalues);
         out.eigenvalues.resize(out.k, 0.0);
         out.eigenvalues.sort_unstable_by(f64::total_cmp);
         let others = spectra().filter_map(|spectrum| spectrum.eigenvalues.get(spectrum.k).copied());

@@ -1,6 +1,7 @@
 //! The order of the returns of each block in which their edges are short.
 
 use super::graph::Graph;
+use super::split::Split;
 
 /// A block whose edges are longer than this is ordered by search along them.
 const LONG: usize = 16;
@@ -14,12 +15,15 @@ pub(crate) struct Order {
     starts: Vec<u32>,
     /// Where each return is in `members`.
     places: Vec<u32>,
+    /// The length of the longest edge of each block, in places.
+    pub(crate) longest: Vec<usize>,
 }
 
 impl Order {
-    /// Orders the returns of each of `blocks` blocks: in the order of the returns, which is that along a wall, starting
+    /// Orders the returns of each block: in the order of the returns, which is that along a wall, starting
     /// after the largest hole, as a wall may reach over the first beam.
-    pub(crate) fn form(&mut self, block_of_return: &[u32], blocks: usize) {
+    pub(crate) fn form(&mut self, split: &Split) {
+        let (block_of_return, blocks) = (&split.block_of_return, split.volumes.len());
         self.sort_by_block(block_of_return, blocks);
         self.places.clear();
         self.places.resize(block_of_return.len(), 0);
@@ -29,21 +33,28 @@ impl Order {
         for (place, &i) in self.members.iter().enumerate() {
             self.places[i as usize] = place as u32;
         }
+        self.longest.clear();
+        self.longest.resize(blocks, 0);
+        for edge in &split.within {
+            let [from, to] = [edge.from, edge.to].map(|i| self.places[i as usize]);
+            let longest = &mut self.longest[block_of_return[edge.from as usize] as usize];
+            *longest = (from.abs_diff(to) as usize).max(*longest);
+        }
     }
 
-    /// Orders a block in which that leaves long edges, the `longest` of this length, breadth first from a far end, if
-    /// they are then shorter. Returns the length of the longest edge.
-    pub(crate) fn shorten(&mut self, graph: &Graph<'_>, block: usize, longest: usize) -> usize {
-        if longest <= LONG {
-            return longest;
+    /// Orders a block in which that leaves long edges breadth first from a far end, unless they are then longer.
+    pub(crate) fn shorten(&mut self, graph: &Graph, block: usize) {
+        if self.longest[block] <= LONG {
+            return;
         }
         let (before, searched) = (self.members(block).to_vec(), self.search(graph, block));
         self.arrange(block, &searched);
-        let then_longest = self.longest(graph, block);
-        if then_longest > longest {
+        let then_longest = self.longest_edge(graph, block);
+        if then_longest > self.longest[block] {
             self.arrange(block, &before);
+        } else {
+            self.longest[block] = then_longest;
         }
-        then_longest.min(longest)
     }
 
     /// The returns of a block.
@@ -62,13 +73,8 @@ impl Order {
         }
     }
 
-    /// Where each return is among the members of all blocks.
-    pub(crate) fn places(&self) -> &[u32] {
-        &self.places
-    }
-
-    /// Where a block is among them.
-    pub(crate) fn span(&self, block: usize) -> std::ops::Range<usize> {
+    /// Where a block is among the members of all blocks.
+    fn span(&self, block: usize) -> std::ops::Range<usize> {
         self.starts[block] as usize..self.starts[block + 1] as usize
     }
 
@@ -103,7 +109,7 @@ impl Order {
     }
 
     /// The length of a block's longest edge, in places.
-    fn longest(&self, graph: &Graph<'_>, block: usize) -> usize {
+    fn longest_edge(&self, graph: &Graph, block: usize) -> usize {
         let rank = self.ranks(block);
         let members = self.members(block).iter().map(|&i| i as usize).enumerate();
         let edges = members.flat_map(|(at, i)| graph.edges_back(i).map(move |edge| (at, edge.to as usize)));
@@ -111,7 +117,7 @@ impl Order {
     }
 
     /// The members of a block, which is connected, in breadth-first order from the far end of such an order.
-    fn search(&self, graph: &Graph<'_>, block: usize) -> Vec<u32> {
+    fn search(&self, graph: &Graph, block: usize) -> Vec<u32> {
         let rank = self.ranks(block);
         let members = self.members(block);
         let mut start = members[0];

@@ -3,10 +3,12 @@
 use crosscut_stage::{DisjointSets, StageError};
 use faer::Mat;
 
-use super::MOST_DECOMPOSED;
 use super::graph::{Edge, Graph};
 use crate::decomposition::Decomposition;
 use crate::degrees::sum_volumes;
+
+/// A full decomposition of more rows, which would take 0.7 GB, is refused.
+pub(super) const MOST_DECOMPOSED: usize = 4096;
 
 /// The returns in m blocks, each connected by edges that are not weak, and the weak edges between them.
 ///
@@ -23,39 +25,24 @@ use crate::degrees::sum_volumes;
 /// So L has exactly m eigenvalues below τ if θ_m < τ <= μ. Blocks are therefore joined until θ_m < τ; μ is not
 /// known here. With r = ‖EZ‖, θ_j - r² / (μ - θ_j) <= λ_j <= θ_j, and the sine of the largest angle between the columns
 /// of Z and the eigenvectors is at most r / (μ - θ_m) (Davis, Kahan).
+#[derive(Default)]
 pub(crate) struct Split {
     sets: DisjointSets,
     /// Edges between blocks, which are set aside.
-    between: Vec<Edge>,
-    /// Those within blocks.
-    within: Vec<Edge>,
-    block_of_return: Vec<u32>,
-    /// Σ D_ii over each block.
-    volumes: Vec<f64>,
+    pub(super) between: Vec<Edge>,
+    /// Edges within blocks.
+    pub(super) within: Vec<Edge>,
+    /// The block of each return; blocks are numbered by their first return.
+    pub(super) block_of_return: Vec<u32>,
+    /// Σ D_ii over each of the m blocks.
+    pub(super) volumes: Vec<f64>,
     /// Σ of the weights of the weak edges of each return.
-    leaks: Vec<f64>,
+    pub(super) leaks: Vec<f64>,
     /// The place in Q of each block that has weak edges.
     place: Vec<Option<usize>>,
-    quotient: Mat<f64>,
-    eigenvalues: Vec<f64>,
+    /// Of θ_1, …, θ_m, those that are not 0 because a block has no weak edges; ascending.
+    pub(super) eigenvalues: Vec<f64>,
     decomposition: Decomposition,
-}
-
-impl Default for Split {
-    fn default() -> Self {
-        Self {
-            sets: DisjointSets::default(),
-            between: Vec::new(),
-            within: Vec::new(),
-            block_of_return: Vec::new(),
-            volumes: Vec::new(),
-            leaks: Vec::new(),
-            place: Vec::new(),
-            quotient: Mat::new(),
-            eigenvalues: Vec::new(),
-            decomposition: Decomposition::default(),
-        }
-    }
 }
 
 impl Split {
@@ -64,67 +51,30 @@ impl Split {
     ///
     /// # Errors
     /// When Q cannot be decomposed, or would take too much memory.
-    pub(crate) fn form(&mut self, graph: &Graph<'_>, weak: f64, tolerance: f64) -> Result<(), StageError> {
+    pub(crate) fn form(&mut self, graph: &Graph, weak: f64, tolerance: f64) -> Result<(), StageError> {
         self.cut(graph, weak);
         loop {
-            self.number_blocks(graph.degrees);
+            self.number_blocks(&graph.degrees);
             if self.between.is_empty() {
                 self.eigenvalues.clear();
                 return Ok(());
             }
-            self.form_quotient()?;
+            let q = self.quotient()?;
             // λ_max(Q) >= Q_AA: as long as there is such a block, it cannot stay alone.
-            let mut leaking: Vec<usize> = (0..self.quotient.nrows()).collect();
-            leaking.retain(|&a| self.quotient[(a, a)] >= tolerance);
+            let mut leaking: Vec<usize> = (0..q.nrows()).filter(|&a| q[(a, a)] >= tolerance).collect();
             if leaking.is_empty() {
-                self.decomposition.values(self.quotient.as_ref(), &mut self.eigenvalues)?;
+                self.decomposition.values(q.as_ref(), &mut self.eigenvalues)?;
                 if self.eigenvalues.last().is_none_or(|&largest| largest < tolerance) {
                     return Ok(());
                 }
-                let diagonal = |a: usize| self.quotient[(a, a)];
-                leaking.extend((0..self.quotient.nrows()).max_by(|&a, &b| diagonal(a).total_cmp(&diagonal(b))));
+                leaking.extend((0..q.nrows()).max_by(|&a, &b| q[(a, a)].total_cmp(&q[(b, b)])));
             }
-            self.join(&leaking);
+            self.join(&q, &leaking);
         }
     }
 
-    /// Number of blocks, m.
-    pub(crate) fn len(&self) -> usize {
-        self.volumes.len()
-    }
-
-    /// Whether edges were set aside.
-    pub(crate) fn has_weak_edges(&self) -> bool {
-        !self.between.is_empty()
-    }
-
-    /// The edges within blocks.
-    pub(crate) fn edges_within(&self) -> &[Edge] {
-        &self.within
-    }
-
-    /// The block of each return; blocks are numbered by their first return.
-    pub(crate) fn block_of_return(&self) -> &[u32] {
-        &self.block_of_return
-    }
-
-    /// Σ D_ii over each block.
-    pub(crate) fn volumes(&self) -> &[f64] {
-        &self.volumes
-    }
-
-    /// Σ of the weights of the weak edges of each return.
-    pub(crate) fn leaks(&self) -> &[f64] {
-        &self.leaks
-    }
-
-    /// Those of θ_1, …, θ_m that are not 0 because a block has no weak edges; ascending.
-    pub(crate) fn eigenvalues(&self) -> &[f64] {
-        &self.eigenvalues
-    }
-
     /// Joins the returns of edges that are not weak, and keeps the others.
-    fn cut(&mut self, graph: &Graph<'_>, weak: f64) {
+    fn cut(&mut self, graph: &Graph, weak: f64) {
         let n = graph.degrees.len();
         self.sets.reset(n);
         self.between.clear();
@@ -158,7 +108,7 @@ impl Split {
     }
 
     /// Q of the blocks that have weak edges.
-    fn form_quotient(&mut self) -> Result<(), StageError> {
+    fn quotient(&mut self) -> Result<Mat<f64>, StageError> {
         self.place.clear();
         self.place.resize(self.volumes.len(), None);
         let mut linked = 0;
@@ -175,17 +125,16 @@ impl Split {
                  choose an affinity without weak edges"
             )));
         }
-        self.quotient.resize_with(linked, linked, |_, _| 0.0);
-        self.quotient.fill(0.0);
+        let mut q = Mat::zeros(linked, linked);
         for edge in &self.between {
             let [(a, volume_a), (b, volume_b)] = [edge.from, edge.to].map(|i| self.place_and_volume(i));
-            self.quotient[(a, a)] += edge.weight / volume_a;
-            self.quotient[(b, b)] += edge.weight / volume_b;
+            q[(a, a)] += edge.weight / volume_a;
+            q[(b, b)] += edge.weight / volume_b;
             let between = edge.weight / (volume_a.sqrt() * volume_b.sqrt());
-            self.quotient[(a, b)] -= between;
-            self.quotient[(b, a)] -= between;
+            q[(a, b)] -= between;
+            q[(b, a)] -= between;
         }
-        Ok(())
+        Ok(q)
     }
 
     /// The place in Q and the volume of the block of return `i`, which has weak edges.
@@ -195,8 +144,7 @@ impl Split {
     }
 
     /// Joins each of the `leaking` places of Q with the one to which its edge weighs most.
-    fn join(&mut self, leaking: &[usize]) {
-        let q = &self.quotient;
+    fn join(&mut self, q: &Mat<f64>, leaking: &[usize]) {
         let mut strongest: Vec<Option<usize>> = vec![None; q.nrows()];
         for &a in leaking {
             let others = (0..q.nrows()).filter(|&b| b != a);

@@ -13,17 +13,13 @@ const CHUNK: usize = 8;
 pub(crate) struct Unseen {
     /// The entry of D^-1/2 of each return, 0 once the return has been found.
     scale: Vec<f64>,
-    count: usize,
+    pub(crate) count: usize,
 }
 
 impl Unseen {
     /// All returns.
     pub(crate) fn all(l: &Normalised<'_>) -> Self {
         Self { scale: l.scale.clone(), count: l.scale.len() }
-    }
-
-    pub(crate) fn count(&self) -> usize {
-        self.count
     }
 
     /// Takes the return of least degree, which is at an end of a wall.

@@ -17,12 +17,13 @@ const PANEL: usize = 16;
 /// D^1/2 (L - shift·I) D^1/2 = (1 - shift) D - W of one part, n×n, as M Δ Mᵀ without exchange of rows. For indefinite
 /// matrices this can be inaccurate, so its results have to be checked.
 ///
-/// It is taken by panels of columns: from the first row of a panel to its end, below which there is nothing.
+/// The matrix is taken by panels of columns: from the first row of a panel to its end, below which there is nothing.
 pub(crate) struct Envelope {
-    members: Vec<u32>,
-    /// The diagonal of D^1/2.
-    roots: Vec<f64>,
-    panels: Vec<Panel>,
+    /// The returns of the part, in the order of the rows.
+    pub(crate) members: Vec<u32>,
+    /// The diagonal of D^1/2, which L maps to 0.
+    pub(crate) roots: Vec<f64>,
+    panels: Vec<ColumnPanel>,
     /// M below its blocks on the diagonal.
     factor: Mat<f64>,
     /// The inverses of M's blocks on the diagonal, side by side.
@@ -34,20 +35,22 @@ pub(crate) struct Envelope {
     /// A few rows or columns times Δ.
     scaled: Mat<f64>,
     scratch: MemBuffer,
-    shift: f64,
-    below: usize,
+    /// The shift of the last factorisation.
+    pub(crate) shift: f64,
+    /// The number of eigenvalues below the shift, by Sylvester's law.
+    pub(crate) below: usize,
 }
 
 /// Columns `start..next`, and the row `end` from which on they have no entries. It never falls from a panel to the
 /// next.
 #[derive(Clone, Copy, Debug)]
-struct Panel {
+struct ColumnPanel {
     start: usize,
     next: usize,
     end: usize,
 }
 
-impl Panel {
+impl ColumnPanel {
     fn columns(self) -> usize {
         self.next - self.start
     }
@@ -88,9 +91,9 @@ impl Envelope {
     /// Takes the returns that are connected with `first` out of `unseen`, and factorises L - `shift`·I of them. `false`
     /// if a pivot is 0 or no number, as after a weight that is not finite; the members are found all the same.
     ///
-    /// Panel by panel, each as soon as its returns are known: W is read once, and the factor written once.
+    /// ColumnPanel by panel, each as soon as its returns are known: W is read once, and the factor written once.
     pub(crate) fn factorise(&mut self, l: &Normalised<'_>, first: u32, unseen: &mut Unseen, shift: f64) -> bool {
-        self.begin(first, unseen.count() + 1, shift);
+        self.begin(first, unseen.count + 1, shift);
         let mut sound = true;
         let mut start = 0;
         while start < self.members.len() {
@@ -100,7 +103,7 @@ impl Envelope {
                 self.fill(l, start, next);
                 next += 1;
             }
-            sound = sound && self.eliminate(Panel { start, next, end: self.members.len() });
+            sound = sound && self.eliminate(ColumnPanel { start, next, end: self.members.len() });
             start = next;
         }
         self.below = self.pivots.iter().filter(|&&pivot| pivot < 0.0).count();
@@ -135,7 +138,7 @@ impl Envelope {
     }
 
     /// The next panel of the factor. `false` if a pivot is 0.
-    fn eliminate(&mut self, panel: Panel) -> bool {
+    fn eliminate(&mut self, panel: ColumnPanel) -> bool {
         self.subtract_before(panel);
         let Self { panels, factor, inverses, pivots, work, scaled, scratch, .. } = self;
         let columns = panel.columns();
@@ -161,7 +164,7 @@ impl Envelope {
     }
 
     /// Subtracts M Δ Mᵀ of the panels before it from the panel at work; panels that end alike together.
-    fn subtract_before(&mut self, panel: Panel) {
+    fn subtract_before(&mut self, panel: ColumnPanel) {
         let Self { panels, factor, pivots, work, scaled, .. } = self;
         let first = panels.partition_point(|before| before.end <= panel.start);
         for alike in panels[first..].chunk_by(|a, b| a.end == b.end) {
@@ -175,31 +178,6 @@ impl Envelope {
             let scaled = scaled.submatrix(0, 0, columns, next - start);
             add(work.submatrix_mut(0, 0, rows.nrows(), columns), -1.0, rows, scaled.transpose());
         }
-    }
-
-    /// The returns of the part, in the order of the rows.
-    pub(crate) fn members(&self) -> &[u32] {
-        &self.members
-    }
-
-    /// Number of returns.
-    pub(crate) fn n(&self) -> usize {
-        self.members.len()
-    }
-
-    /// The diagonal of D^1/2, which L maps to 0.
-    pub(crate) fn roots(&self) -> &[f64] {
-        &self.roots
-    }
-
-    /// The shift of the last factorisation.
-    pub(crate) fn shift(&self) -> f64 {
-        self.shift
-    }
-
-    /// The number of eigenvalues below the shift, by Sylvester's law.
-    pub(crate) fn below(&self) -> usize {
-        self.below
     }
 
     /// The number of eigenvalues that count as zero if the shift is τ: those below it, and always the first, which

@@ -64,10 +64,10 @@ impl Krylov {
         envelope: &mut Envelope,
         wanted: usize,
     ) -> Result<Option<Lowest>, StageError> {
-        let columns = (envelope.below() + SPARE).max(COLUMNS);
+        let columns = (envelope.below + SPARE).max(COLUMNS);
         let beyond = if wanted > envelope.zeros() + 1 { LEAST_SHARE * wanted } else { 0 };
         let mut least = LEAST_BLOCKS * columns + beyond;
-        self.space.begin(envelope.roots(), columns, MOST_SHARE * wanted + MOST_BESIDE);
+        self.space.begin(&envelope.roots, columns, MOST_SHARE * wanted + MOST_BESIDE);
         loop {
             let is_last = !self.space.grow(envelope);
             if !is_last && self.space.dimension < least {
@@ -76,8 +76,8 @@ impl Krylov {
             if let Some(candidates) = self.candidates(envelope, wanted)?
                 && let Some(lowest) = self.settle(l, envelope, candidates)?
             {
-                let below = lowest.eigenvalues.iter().filter(|&&eigenvalue| eigenvalue < envelope.shift()).count();
-                return Ok((below == envelope.below()).then_some(lowest));
+                let below = lowest.eigenvalues.iter().filter(|&&eigenvalue| eigenvalue < envelope.shift).count();
+                return Ok((below == envelope.below).then_some(lowest));
             }
             if is_last {
                 return Ok(None);
@@ -102,15 +102,15 @@ impl Krylov {
         let negative = values.partition_point(|&nu| nu < 0.0);
         let mut order = (0..negative).rev().chain((negative..dimension).rev());
         let chosen: Vec<usize> = order.by_ref().take(wanted).collect();
-        let Some(outside) = order.next().map(|j| envelope.shift() + values[j].recip()) else { return Ok(None) };
-        let needed = Needed { n: envelope.n(), zeros: envelope.zeros().min(wanted), outside };
+        let Some(outside) = order.next().map(|j| envelope.shift + values[j].recip()) else { return Ok(None) };
+        let needed = Needed { n: envelope.members.len(), zeros: envelope.zeros().min(wanted), outside };
 
         let y = Mat::from_fn(dimension, wanted, |i, j| small.eigenvector(chosen[j])[i]);
         let mut beyond = product(space.remainder.as_ref(), y.subrows(dimension - columns, columns));
         for (j, &at) in chosen.iter().enumerate() {
             let inverse = values[at].recip();
             beyond.col_as_slice_mut(j).iter_mut().for_each(|x| *x *= inverse);
-            if !needed.is_met(j, envelope.shift() + inverse, norm(beyond.col_as_slice(j)) * inverse.abs()) {
+            if !needed.is_met(j, envelope.shift + inverse, norm(beyond.col_as_slice(j)) * inverse.abs()) {
                 return Ok(None);
             }
         }
@@ -131,7 +131,7 @@ impl Krylov {
         let wanted = vectors.ncols();
         let mut eigenvalues = Vec::new();
         for _ in 0..=CORRECTIONS {
-            let image = l.times(envelope.members(), &vectors);
+            let image = l.times(&envelope.members, &vectors);
             self.small.decompose(product(vectors.transpose(), image.as_ref()).as_ref(), &mut eigenvalues)?;
             let turn = Mat::from_fn(wanted, wanted, |i, j| self.small.eigenvector(j)[i]);
             vectors = product(vectors.as_ref(), turn.as_ref());

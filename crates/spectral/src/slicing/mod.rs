@@ -10,7 +10,7 @@ use crosscut_stage::{Affinity, Count, Kind, Notes, SpectralStage, Spectrum, Stag
 use faer::Mat;
 
 use crate::decomposition::Decomposition;
-use crate::embedding::sign_of_largest;
+use crate::embedding::{make_zero, sign_of_largest};
 use crate::zeros::{ZERO_TOLERANCE, count_zeros};
 use connected::Unseen;
 use envelope::Envelope;
@@ -100,7 +100,7 @@ impl Slicing {
         if !factorised {
             l.check_finite()?;
         }
-        let members = envelope.members().to_vec();
+        let members = envelope.members.clone();
         let n = members.len();
         let wanted = eigenvalues(&members).max(envelope.zeros() + 1).min(n);
         if n >= FEWEST_RETURNS + RETURNS_PER_EIGENVALUE * wanted {
@@ -126,7 +126,7 @@ impl SpectralStage for Slicing {
         let w = match &affinity.weights {
             Weights::Dense(w) => w,
             sparse => {
-                copy = dense(sparse);
+                copy = sparse.to_dense();
                 &copy
             }
         };
@@ -171,10 +171,9 @@ impl Slicing {
         count_zeros(out, n, self.tolerance);
         // Every part gave these; a larger one may be missing in some part.
         out.eigenvalues.truncate(self.eigenvalues.max(out.k + 1));
-        let u = out.u.make_dense(n, out.k);
-        u.fill(0.0);
+        make_zero(&mut out.u, n, out.k);
         for (j, (_, members, vector)) in all[..out.k].iter().enumerate() {
-            let column = u.col_as_slice_mut(j);
+            let column = out.u.col_as_slice_mut(j);
             members.iter().zip(*vector).for_each(|(&i, x)| column[i as usize] = *x);
             let sign = sign_of_largest(column);
             column.iter_mut().for_each(|x| *x *= sign);
@@ -188,10 +187,4 @@ fn last_of_all(parts: &[Part], wanted: usize) -> f64 {
     let mut all: Vec<f64> = parts.iter().flat_map(|part| &part.lowest.eigenvalues).copied().collect();
     all.sort_by(f64::total_cmp);
     all.get(wanted - 1).copied().unwrap_or(f64::INFINITY)
-}
-
-fn dense(weights: &Weights) -> Mat<f64> {
-    let mut w = Mat::zeros(weights.n(), weights.n());
-    weights.for_each(|i, j, weight| w[(i, j)] = weight);
-    w
 }

@@ -115,13 +115,13 @@ fn with_weak_links_k_is_that_of_a_full_decomposition_and_eigenvalues_and_span_ar
             return;
         };
         assert!(*next <= lambda + rounding, "the next eigenvalue is {lambda}, not {next}");
-        let u = found.u.to_dense();
-        let (residual, gap) = (residual(&affinity, &u), next - found.eigenvalues[found.k - 1]);
+        let u = &found.u;
+        let (residual, gap) = (residual(&affinity, u), next - found.eigenvalues[found.k - 1]);
         for (theta, lambda) in found.eigenvalues[..found.k].iter().zip(&all.eigenvalues) {
             let (excess, allowed) = (theta - lambda, residual * residual / gap + rounding);
             assert!((-rounding..=allowed).contains(&excess), "{theta} is {lambda}: {found:?}");
         }
-        let (sine, allowed) = (sine(&u, &all.u.to_dense()), residual / gap + rounding / lambda);
+        let (sine, allowed) = (sine(u, &all.u), residual / gap + rounding / lambda);
         assert!(sine <= allowed, "the span of U is off by {sine}, allowed {allowed}");
         if residual > rounding {
             let columns_of = |i: usize| (0..found.k).filter(|&j| found.u[(i, j)] != 0.0).count();
@@ -131,6 +131,7 @@ fn with_weak_links_k_is_that_of_a_full_decomposition_and_eigenvalues_and_span_ar
         }
     });
     let (set_aside, undecided) = (set_aside.get(), undecided.get());
+    // The graphs are such that the test is one of what it names: weak edges in many, a doubtful count in few.
     assert!(set_aside > 50 && undecided < 20, "{set_aside} with edges set aside, {undecided} undecided");
 }
 
@@ -161,7 +162,7 @@ fn twins_of_a_wall_that_is_almost_two_are_all_in_its_eigenvectors() {
     let (found, notes) = spectrum(blocks(tolerance).as_mut(), &affinity);
     assert_eq!((found.k, all.k, notes), (2, 2, 2), "{:?}", found.eigenvalues);
     assert!((found.eigenvalues[2] - all.eigenvalues[2]).abs() < 1e-12);
-    assert!(sine(&found.u.to_dense(), &all.u.to_dense()) < residual(&affinity, &found.u.to_dense()) + 1e-8);
+    assert!(sine(&found.u, &all.u) < residual(&affinity, &found.u) + 1e-8);
 }
 
 /// A chain of hubs, each with an edge to the next, and this many leaves with edges to it and to the next hub: no order of its nodes

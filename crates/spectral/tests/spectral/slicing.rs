@@ -75,13 +75,14 @@ fn zeros_span_k_and_the_lowest_eigenvalues_are_those_of_the_full_decomposition()
             }
             assert_eq!(found.k, all.k, "{:?} is {:?}", found.eigenvalues, &all.eigenvalues[..all.k + 1]);
             let gap = all.eigenvalues.get(all.k).map_or(2.0, |next| next - all.eigenvalues[all.k - 1]);
-            let (u, v) = (found.u.to_dense(), all.u.to_dense());
-            let sines = (&u - &v * (v.transpose() * &u)).norm_l2();
+            let (u, v) = (&found.u, &all.u);
+            let sines = (u - v * (v.transpose() * u)).norm_l2();
             assert!(sines <= rounding / gap, "the span is off by {sines}, allowed {}", rounding / gap);
             count(&compared);
         }
     });
     let (compared, undecided, fallbacks) = (compared.get(), undecided.get(), fallbacks.get());
+    // Of 300: nearly all are compared, and so few in full that they do not decide how long the solver takes.
     assert!(compared > 280 && fallbacks < 5, "{compared} compared, {undecided} undecided, {fallbacks} in full");
 }
 

@@ -82,7 +82,7 @@ impl Method {
             return Ok((right_counts, false));
         }
         spectrum.k = walls;
-        spectrum.u = spectrum.u.to_dense().subcols(0, walls).to_owned().into();
+        spectrum.u = spectrum.u.subcols(0, walls).to_owned();
         self.kmeans.partition(spectrum, partition, notes)?;
         self.report.report(revolution, &affinity.verdicts, spectrum, partition, junction, notes)?;
         Ok((right_counts, Score::of(&scene.truth, &ResultsLine::of(&self.frame))?.right))

@@ -11,7 +11,7 @@ use crosscut_evaluate::{Agreement, Differences, Evaluation, Score, Variants, fli
 use crosscut_flight::{Flight as Follower, Mapper};
 use crosscut_ingest::truth_map;
 use crosscut_messages::{Truth, TruthMap};
-use crosscut_pipeline::{End, StopFlag, Summary};
+use crosscut_pipeline::{RunEnd, StopFlag, Summary};
 use crosscut_report::{CONFIDENCE, ResultsLine, VEHICLE_WIDTH_M};
 use crosscut_stage::{Failure, FailureCause, Frame, SURE, Step, Timings, counted};
 
@@ -268,7 +268,7 @@ pub(super) fn compare(
     let mut ended = readers.iter_mut().try_for_each(Reader::read);
     while let (Ok(()), Some(seq)) = (&ended, readers.iter().filter_map(Reader::seq).min()) {
         if stop.is_set() {
-            summary.end = End::Interrupted;
+            summary.end = RunEnd::Interrupted;
             break;
         }
         let mut lines: Vec<Option<ResultsLine>> = vec![None; configurations.len()];
@@ -300,7 +300,7 @@ pub(super) fn compare(
         each();
     }
     if let Err(failure) = ended {
-        summary.end = End::Failed(failure);
+        summary.end = RunEnd::Failed(failure);
     }
     for (answers, followed) in answers.iter_mut().zip(followed) {
         answers.flips = flips(&answers.walls).len();
@@ -350,7 +350,7 @@ impl Compared {
                 let without = counted(*count, "revolution");
                 diagnostics.error(format_args!("{name}{at}: {first}; {without} without an answer"));
             }
-            let is_whole = matches!(self.flown.summary.end, End::Complete) && answers.revolutions() > 0;
+            let is_whole = matches!(self.flown.summary.end, RunEnd::Complete) && answers.revolutions() > 0;
             if is_whole && self.has_truth && answers.evaluation.revolutions() == 0 {
                 diagnostics.error(format_args!("{name}{at}: no scan could be compared with its truth"));
             }

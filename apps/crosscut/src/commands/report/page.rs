@@ -3,7 +3,7 @@
 use crosscut_detector::Config;
 use crosscut_evaluate::tables::Table;
 use crosscut_evaluate::{AROUND, Evaluation};
-use crosscut_pipeline::{Answers, End};
+use crosscut_pipeline::{Answers, RunEnd};
 use crosscut_stage::{SURE, counted};
 
 use super::Shown;
@@ -22,7 +22,7 @@ pub(super) fn html(title: &str, config: &Config, flown: &Flown, shown: &Shown, h
     let Shown { course, mapper, no_place, seen, places, evaluation } = shown;
     let summary = &flown.summary;
     let failure = match &summary.end {
-        End::Failed(failure) => Some(failure.to_string()),
+        RunEnd::Failed(failure) => Some(failure.to_string()),
         _ => None,
     };
     let lost: Vec<String> = failure.into_iter().chain(flown.losses.iter().cloned()).collect();

@@ -152,7 +152,7 @@ fn a_few_returns_amid_a_limited_view_are_no_wall_though_the_view_ends_without_a_
     let room: Vec<Segment> = corners.windows(2).map(|pair| [pair[0], pair[1]]).collect();
     let mut revolution = scan_by(1200, &[&room[..], &[[[1.2, -0.02], [1.2, 0.02]]]].concat(), all);
     revolution.sweep.as_mut().expect("a sweep").full_turn = false;
-    assert_eq!(components(&revolution, &[("island_m", Value::Number(0.0))]), [1200]);
+    assert_eq!(components(&revolution, &[("island_m", Value::Float(0.0))]), [1200]);
 }
 
 #[test]
@@ -173,7 +173,7 @@ fn dust_and_the_vehicle_itself_have_no_edges() {
     let sizes = components(&hidden, &[]);
     assert_eq!((sizes.len(), sizes.iter().filter(|size| **size == 1).count()), (2 + 20, 20), "{sizes:?}");
     let mut notes = Notes::default();
-    let narrow = [("width_m", Value::Number(0.5))];
+    let narrow = [("width_m", Value::Float(0.5))];
     KIND.with(&narrow).expect("allowed").affinity(&hidden, &mut Affinity::default(), &mut notes).expect("a scan");
     let told = "passage: 20 returns within the vehicle, nearer than 0.25 m (half of vehicle.width_m), ignored";
     assert_eq!(notes.iter().collect::<Vec<_>>(), [told]);
@@ -207,7 +207,7 @@ fn beams_that_do_not_match_the_returns_are_an_error_whichever_way_the_message_ru
 #[test]
 fn a_number_out_of_range_is_refused_by_its_name() {
     for (name, bad) in [("width_m", 0.0), ("leak", 1.5), ("island_m", f64::NAN)] {
-        let refused = KIND.with(&[(name, Value::Number(bad))]).err().expect("must be refused");
+        let refused = KIND.with(&[(name, Value::Float(bad))]).err().expect("must be refused");
         assert_eq!(refused.name, name);
     }
 }

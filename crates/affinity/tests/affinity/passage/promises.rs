@@ -55,7 +55,7 @@ fn scene_vehicle_and_lengths_scaled_together_have_the_same_walls() {
         let revolution = scan_as_far_as(15.0, 360, &scene, all);
         for times in [0.5, 2.0] {
             let lengths = [("width_m", 0.6), ("island_m", 2.0)];
-            let settings = lengths.map(|(length, metres)| (length, Value::Number(times * metres)));
+            let settings = lengths.map(|(length, metres)| (length, Value::Float(times * metres)));
             let scaled = components(&larger(&revolution, times), &settings);
             assert_eq!(scaled, components(&revolution, &[]), "{name}, {times} times as large");
         }
@@ -71,7 +71,7 @@ fn a_side_wall_that_draws_back_before_a_wall_across_leaves_no_way() {
         scan(&[&recess[..], &[[[x, -2.0], [x, y]], TUNNEL[1]]].concat(), all)
     };
     let walls = |scan: &Revolution, settings: &[_]| components(scan, settings).iter().filter(|size| **size > 1).count();
-    let without = [("without", Value::Names(vec!["odds".to_owned()]))];
+    let without = [("without", vec!["odds"].into())];
     for (ahead_m, back_m) in [(3.0, 0.3), (3.0, 0.4), (5.0, 0.2), (5.0, 0.3)] {
         let scan = dead_end(ahead_m, back_m);
         assert_eq!((walls(&scan, &[]), walls(&scan, &without)), (1, 2), "{back_m} m, {ahead_m} m ahead");

@@ -38,7 +38,8 @@ fn ranges_that_are_not_exact_close_no_way_on() {
         let tee = [[[-30.0, 2.0], [4.0, 2.0]], [[-30.0, -2.0], [4.0, -2.0]], [[10.0, -30.0], [7.0, 30.0]]];
         found += usize::from(walls(&scan(&tee, |beam, range_m| range_m.map(|m| m * errors[beam]))) == 3);
     }
-    assert!(found >= 38, "{found} of 40");
+    // A vehicle scans a place many times on its way, so one scan in twenty may be wrong.
+    assert!(20 * found >= 19 * 40, "{found} of 40");
 }
 
 #[test]

@@ -9,7 +9,7 @@ use proptest::prelude::Strategy;
 
 /// The spectrum with this U.
 pub(crate) fn spectrum(u: Mat<f64>) -> Spectrum {
-    Spectrum { k: u.ncols(), u: u.into(), ..Spectrum::default() }
+    Spectrum { k: u.ncols(), u, ..Spectrum::default() }
 }
 
 /// Any U with 1 to 4 columns.

@@ -22,6 +22,6 @@ pub(crate) fn spectrum(affinity: &Affinity, tolerance: f64) -> Spectrum {
     order.sort_by(|&a, &b| evd.eigenvalues[a].total_cmp(&evd.eigenvalues[b]));
     let eigenvalues: Vec<f64> = order.iter().map(|&j| evd.eigenvalues[j]).collect();
     let k = eigenvalues.partition_point(|&eigenvalue| eigenvalue < tolerance).max(1);
-    let u = Mat::from_fn(n, k, |i, j| evd.eigenvectors[(i, order[j])]).into();
+    let u = Mat::from_fn(n, k, |i, j| evd.eigenvectors[(i, order[j])]);
     Spectrum { eigenvalues, tolerance, k, u, ..Spectrum::default() }
 }

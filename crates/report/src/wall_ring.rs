@@ -8,13 +8,13 @@ use crosscut_stage::{Beam, Revolution, StageError, Sweep};
 /// The returns of walls in the order in which an anticlockwise look around the sensor meets them. Returns of no wall
 /// are seen only as beams between them.
 #[derive(Clone, Debug, Default)]
-pub struct Outline {
+pub struct WallRing {
     pub(crate) ring: Ring,
     /// The wall of each return of the ring.
     walls: Vec<u32>,
 }
 
-impl Outline {
+impl WallRing {
     /// Fills the outline with the returns that `wall_of_return` (n entries) gives a wall; nothing of an earlier one is
     /// left.
     ///
@@ -69,6 +69,11 @@ impl Outline {
         self.ring.returns.binary_search_by_key(&order(number), |one| order(one.number)).ok()
     }
 
+    /// The places of two returns, if both are of walls.
+    pub(crate) fn places_of(&self, [from, to]: [u32; 2]) -> Option<[usize; 2]> {
+        Some([self.place_of(from)?, self.place_of(to)?])
+    }
+
     /// By this, the returns that follow one anticlockwise are in order. Returns are numbered in message order.
     pub(crate) fn order_from(&self, from: u32, to: u32) -> u32 {
         if self.ring.clockwise { from.wrapping_sub(to) } else { to.wrapping_sub(from) }
@@ -86,6 +91,11 @@ impl Outline {
     pub(crate) fn pairs(&self) -> impl Iterator<Item = [usize; 2]> {
         let pairs = if self.ring.full_turn { self.len() } else { self.len().saturating_sub(1) };
         (0..pairs).map(|at| [at, self.after(at)])
+    }
+
+    /// Each return of a wall with the next one anticlockwise, if that is another one of the same wall.
+    pub(crate) fn pairs_within_walls(&self) -> impl Iterator<Item = [usize; 2]> {
+        self.pairs().filter(|&[from, to]| from != to && self.wall(from) == self.wall(to))
     }
 
     /// The returns of one wall from one of them on, around the whole turn or to the end of a limited view.
@@ -117,7 +127,7 @@ impl Outline {
     }
 
     /// How far the first or the last return of a limited view is from that end of the view, across the beams, metres.
-    /// It is 0 unless most beams between the two came back with nothing, and no two neighbours of them are unknown: a
+    /// The distance is 0 unless most beams between the two came back with nothing, and no two neighbours of them are unknown: a
     /// single unknown beam may have met dust or the edge of a wall, more are a sector that the sensor did not look at.
     pub(crate) fn room_to_end_m(&self, at: usize, anticlockwise: bool) -> f64 {
         let beams = self.beams_to_end(at, anticlockwise);

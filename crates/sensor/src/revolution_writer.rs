@@ -5,7 +5,7 @@ use crosscut_scan::LevelView;
 use crosscut_stage::{Beam, Notes, Revolution};
 
 use crate::blind::BlindSectors;
-use crate::directions::Directions;
+use crate::directions::BeamDirections;
 use crate::turning::LEAST_TURN_RAD;
 use crate::{Motion, Sensor};
 
@@ -14,13 +14,13 @@ pub const LEARNED_SCANS: usize = 100;
 
 /// Writes the scans of one sensor as revolutions.
 #[derive(Debug, Default)]
-pub struct View {
-    directions: Directions,
+pub struct RevolutionWriter {
+    directions: BeamDirections,
     blind: BlindSectors,
     level: LevelView,
 }
 
-impl View {
+impl RevolutionWriter {
     /// Looks for blind sectors in these scans; there are none if they differ in their beams.
     pub fn learn_blind(&mut self, scans: &[&LaserScan], sensor: &Sensor) {
         self.blind = BlindSectors::find(scans, sensor);
@@ -28,7 +28,7 @@ impl View {
 
     /// Writes the revolution that `scan` shows into `out`. `rad_per_beam` is the angle by which the sensor turned with its
     /// vehicle from beam to beam by the scan before, 0 if that is not known; `motion` is that of the vehicle meanwhile, if
-    /// odometry tells it. [`View::hide`] follows.
+    /// odometry tells it. [`RevolutionWriter::hide`] follows.
     pub fn show(
         &mut self,
         scan: &ScanMessage,
