@@ -54,7 +54,7 @@ fn what_was_typed_before_is_answered_with_what_to_type_now() {
         ("map x -o x.svg", "`map` is no longer a command; type: crosscut run FLIGHT --map FILE.svg"),
         ("run x --results=x.jsonl", "`--results` is no longer an option; type: -o FILE.jsonl"),
         ("run x --save x.rrd --detail light", "type: --set recording.detail=light"),
-        ("compare zenoh://robot/scan --domain 3", "type: zenoh://HOST/TOPIC?domain=N"),
+        ("compare zenoh://robot/scan --domain 3", "type: 'zenoh://HOST/TOPIC?domain=N'"),
         ("run x --layout speed", "type: crosscut view FLIGHT.rrd --layout PAGE"),
         ("view x.rrd --with x.mcap", "type: --beside FLIGHT.mcap"),
         ("debug x --json", "type: lines of commands to standard input"),

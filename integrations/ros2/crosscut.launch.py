@@ -17,7 +17,7 @@ from launch.substitutions import LaunchConfiguration
 RVIZ = os.path.join(os.path.dirname(os.path.abspath(__file__)), "crosscut.rviz")
 ARGUMENTS = {
     "robot": (f"ros2://{os.environ.get('ROS_DOMAIN_ID', '0')}", "where the robot is heard: ros2://DOMAIN or zenoh://HOST:PORT"),
-    "scan": ("/scan", "topic of the scans"),
+    "scan": ("/scan", "topic of the scans; of zenoh:// in another domain than 0: /scan?domain=N"),
     "odometry": ("", "topic of nav_msgs/Odometry, or /tf; empty: none"),
     "publish": ("crosscut", "results, map and markers are sent to topics below this"),
     "options": ("", "more of `crosscut run --help`, such as --save flight.rrd"),

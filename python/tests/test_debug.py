@@ -45,7 +45,12 @@ class Prompt:
         assert self.process.stdin is not None and self.process.stdout is not None
         self.process.stdin.write(f"{line}\nbreak\n")
         self.process.stdin.flush()
-        return "".join(iter(self.process.stdout.readline, "no break\n"))
+        lines: list[str] = []
+        while (answer := self.process.stdout.readline()) != "no break\n":
+            if not answer:
+                raise RuntimeError(f"the prompt ended: {''.join(lines)}")
+            lines.append(answer)
+        return "".join(lines)
 
     def __call__(self, line: str) -> str:
         """The answer to a command."""

@@ -100,7 +100,12 @@ class Viewer:
         """The answer at the prompt of `debug`, up to that of a command that is known to be one line."""
         self._viewer.stdin.write(f"{command}\nbreak\n")
         self._viewer.stdin.flush()
-        return "".join(iter(self._viewer.stdout.readline, "no break\n"))
+        lines: list[str] = []
+        while (answer := self._viewer.stdout.readline()) != "no break\n":
+            if not answer:
+                raise RuntimeError(f"the prompt ended: {''.join(lines)}")
+            lines.append(answer)
+        return "".join(lines)
 
     def kill(self):
         """The viewer, not the program that started it."""
@@ -143,10 +148,6 @@ class Viewer:
                 if of["timeline"] == timeline:
                     return of["max"]
         return None
-
-    def recordings(self) -> int:
-        """How many recordings the viewer takes its files for."""
-        return len(self._call("viewer_state").get("recordings", []))
 
     def time(self) -> tuple[str, int] | None:
         """The timeline that is shown, and where on it; `None` while nothing is loaded."""

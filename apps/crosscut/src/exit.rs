@@ -20,7 +20,6 @@ pub(crate) enum Outcome {
     #[cfg_attr(not(feature = "rerun"), allow(dead_code))] // recordings need the feature
     Different,
     /// The viewer asked for a file that another importer may know.
-    #[cfg_attr(not(feature = "rerun"), allow(dead_code))] // recordings need the feature
     NotOurs,
     /// The command was interrupted; results so far are saved.
     Interrupted,

@@ -47,7 +47,12 @@ pub fn main(registry: &Registry) -> ExitCode {
 /// Runs the command in `args`, of which the first is the name of the program, and returns its exit code. By the name
 /// `rerun-importer-crosscut`, of a link or a copy, it is the importer that the Rerun viewer calls.
 pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry, host: &Host<'_>) -> u8 {
-    let args = without_help_of_help(of_importer(args.into_iter().map(with_home).collect()));
+    let args: Vec<OsString> = args.into_iter().map(with_home).collect();
+    let is_importer = args.first().is_some_and(|name| Path::new(name).file_stem() == Some(IMPORTER.as_ref()));
+    if is_importer && !cfg!(feature = "rerun") {
+        return exit::Outcome::NotOurs.into();
+    }
+    let args = if is_importer { of_importer(args) } else { without_help_of_help(args) };
     let retired = help::instead_of(&args);
     let command = match commands::command().try_get_matches_from(args).and_then(|found| Cli::from_arg_matches(&found)) {
         Ok(cli) => cli.command,
@@ -69,12 +74,8 @@ pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry, host: 
 /// The name by which the Rerun viewer calls the program with each file that it opens.
 const IMPORTER: &str = "rerun-importer-crosscut";
 
-/// The arguments, with the command for them where the program is called by the name of the importer.
+/// The arguments of the importer, with the command for them.
 fn of_importer(args: Vec<OsString>) -> Vec<OsString> {
-    let is_importer = args.first().is_some_and(|name| Path::new(name).file_stem() == Some(IMPORTER.as_ref()));
-    if !is_importer {
-        return args;
-    }
     ["crosscut", "import"].map(OsString::from).into_iter().chain(args.into_iter().skip(1)).collect()
 }
 

@@ -120,7 +120,8 @@ def _settings(endpoint: str, config: str | None) -> zenoh.Config:
         raise SettingsError("the router is the HOST of zenoh://HOST/TOPIC or, of zenoh:///TOPIC, an endpoint of the configuration of "
                             "Zenoh; one of them")
     if endpoint:
-        host, _, port = endpoint.rpartition(":") if ":" in endpoint else (endpoint, "", "")
+        has_port = ":" in endpoint and not endpoint.endswith("]")  # of an IPv6 address in brackets
+        host, _, port = endpoint.rpartition(":") if has_port else (endpoint, "", "")
         settings.insert_json5("connect/endpoints", json.dumps([f"tcp/{host}:{port or 7447}"]))
     return settings
 

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import statistics
 import struct
 import threading
@@ -29,6 +30,7 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from types import TracebackType
 from typing import Any, TypeAlias
+from urllib.parse import unquote
 
 from ._errors import Error, LossWarning, SettingsError
 from ._extras import importing
@@ -219,11 +221,12 @@ class Robot:
 
 
 def _bus(address: str, message_type: str | None, fail: Callable[[BaseException], None]) -> tuple[Any, str]:
-    """What hears and sends topics, a ``Bus`` of the module for this kind of network; and the topic of the scans."""
+    """What hears and sends topics, a ``Bus`` of the module for this kind of network; and the topic of the scans. Behind the
+    ``?`` of an address stand ``%20`` for a blank and ``%26`` for an ``&``, as in any URL."""
     scheme, _, rest = address.partition("://")
     place, _, query = rest.partition("?")
     host, _, topic = place.partition("/")
-    options = dict(part.partition("=")[::2] for part in query.split("&") if part)
+    options = {unquote(key): unquote(value) for key, _, value in (part.partition("=") for part in query.split("&") if part)}
     if scheme == "zenoh":
         domain, config = options.pop("domain", "0"), options.pop("config", None)
         if not topic or not (host or config) or not domain.isdecimal() or options:
@@ -231,7 +234,7 @@ def _bus(address: str, message_type: str | None, fail: Callable[[BaseException],
         with importing("zenoh://"):
             from . import _zenoh
 
-        return _zenoh.Bus(host, int(domain), config, fail), topic
+        return _zenoh.Bus(host, int(domain), config and os.path.expanduser(config), fail), topic
     if scheme == "ros2":
         if not host.isdecimal() or not topic:
             raise SettingsError("ros2://DOMAIN/TOPIC has a number and a topic")

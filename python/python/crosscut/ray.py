@@ -359,7 +359,7 @@ def main(verb: str, arguments: Sequence[str]) -> int:
     """``crosscut run --on ray`` or ``crosscut compare --on ray``; returns the exit code of the program."""
     parser = argparse.ArgumentParser(prog=f"crosscut {verb} --on ray", description="Many flights on a Ray cluster.")
     parser.add_argument("flights", nargs="+", help="recordings, or folders of them; each is a flight of its own")
-    parser.add_argument("--out", required=True, metavar="DIR", help="folder that all nodes reach")
+    parser.add_argument("-o", "--out", required=True, metavar="DIR", help="folder that all nodes reach")
     parser.add_argument("--address", help="of the cluster; without one, Ray starts one on this machine")
     passed_on = ["--preset", "--set"] if verb == "run" else ["--with", "--grid", "--set"]
     for option in passed_on:

@@ -55,19 +55,23 @@ const EXAMPLES: [(&str, [&str; 2]); 17] = [
     ("man", ["crosscut man ~/.local/share/man/man1", "crosscut man target/man"]),
 ];
 
-/// Commands and options that there were, with what does the same now: the command, empty for every command; its option, empty
-/// for the command itself; what to type.
-const RETIRED: [(&str, &str, &str); 20] = [
+/// Commands and options that there were, with what does the same now: the command; its option, empty for the command itself;
+/// what to type.
+const RETIRED: [(&str, &str, &str); 24] = [
     ("evaluate", "", "crosscut compare FILES... --with A --with B"),
     ("sweep", "", "crosscut compare FILES... --grid KEY=V1,V2 --csv FILE.csv"),
     ("replay", "", "crosscut run FLIGHT.rrd --set KEY=VALUE -o FILE.jsonl, or crosscut debug FLIGHT.rrd"),
     ("runs", "", "crosscut compare FILES... --with A --with B --json FILE.json"),
     ("map", "", "crosscut run FLIGHT --map FILE.svg, or .json, .geojson, .g2o"),
-    ("", "--results", "-o FILE.jsonl"),
-    ("", "--odometry", "--set ingest.odometry=TOPIC"),
-    ("", "--detail", "--set recording.detail=light, default or full"),
-    ("", "--domain", "zenoh://HOST/TOPIC?domain=N"),
-    ("", "--zenoh-config", "zenoh://HOST/TOPIC?config=FILE.json5"),
+    ("run", "--results", "-o FILE.jsonl"),
+    ("run", "--odometry", "--set ingest.odometry=TOPIC"),
+    ("compare", "--odometry", "--set ingest.odometry=TOPIC"),
+    ("run", "--detail", "--set recording.detail=light, default or full"),
+    ("explore", "--detail", "--set recording.detail=light, default or full"),
+    ("run", "--domain", "'zenoh://HOST/TOPIC?domain=N'"),
+    ("compare", "--domain", "'zenoh://HOST/TOPIC?domain=N'"),
+    ("run", "--zenoh-config", "'zenoh://HOST/TOPIC?config=FILE.json5'"),
+    ("compare", "--zenoh-config", "'zenoh://HOST/TOPIC?config=FILE.json5'"),
     ("run", "--layout", "crosscut view FLIGHT.rrd --layout PAGE"),
     ("run", "--layer", "--save A.rrd and --save B.rrd, then crosscut view A.rrd --beside B.rrd"),
     ("view", "--with", "--beside FLIGHT.mcap"),
@@ -80,17 +84,21 @@ const RETIRED: [(&str, &str, &str); 20] = [
     ("rrd get", "--component", "ENTITY:COMPONENT, such as /log:TextLog:text"),
 ];
 
-/// What to type in place of a command or an option that there was, if `args`, of which the first is the program, have one.
-pub(crate) fn instead_of(args: &[OsString]) -> Option<String> {
-    let words: Vec<&str> = args.iter().skip(1).filter_map(|arg| arg.to_str()).collect();
+/// What to type in place of the commands and options that there were, for those in `args`, of which the first is the program.
+pub(crate) fn instead_of(args: &[OsString]) -> Vec<String> {
+    let words = args.iter().skip(1).filter_map(|arg| arg.to_str());
+    let words: Vec<&str> = words.skip_while(|word| *word == "help").collect();
     let has = |option: &str| words.iter().any(|word| word.split('=').next() == Some(option));
     let is_in = |(command, option, _): &&(&str, &str, &str)| {
-        let begins = words.iter().zip(command.split_whitespace()).all(|(word, of)| *word == of);
-        begins && if option.is_empty() { words.first() == Some(command) } else { has(option) }
+        words.iter().zip(command.split_whitespace()).all(|(word, of)| *word == of)
+            && words.len() >= command.split_whitespace().count()
+            && (option.is_empty() || has(option))
     };
-    let (command, option, instead) = RETIRED.iter().find(is_in)?;
-    let (what, kind) = if option.is_empty() { (command, "a command") } else { (option, "an option") };
-    Some(format!("`{what}` is no longer {kind}; type: {instead}"))
+    let say = |(command, option, instead): &(&str, &str, &str)| match *option {
+        "" => format!("`{command}` is no longer a command; type: {instead}"),
+        _ => format!("`{option}` is no longer an option; type: {instead}"),
+    };
+    RETIRED.iter().filter(is_in).map(say).collect()
 }
 
 /// What a page of help looks like: purpose, examples, usage, options.

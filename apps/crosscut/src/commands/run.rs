@@ -134,7 +134,7 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry, robots: Option<&dyn Robot
             say(format_args!("{}{}", written.map_summary(), if is_map_alone { "" } else { "\n" }));
         }
     }
-    if let Err(error) = written.finish(&flown, &mut diagnostics) {
+    if let Err(error) = written.finish(&flown, is_map_alone, &mut diagnostics) {
         flown.report_lost(&error, &mut diagnostics);
     }
     gaps.and_then(|gaps| gaps.note()).iter().for_each(|note| diagnostics.note(note));

@@ -14,7 +14,8 @@ pub(crate) struct ViewArgs {
     /// Recording made with `run --save`; its further parts (FLIGHT-2.rrd...) are shown as well.
     #[arg(required = true, value_name = "FLIGHT.rrd")]
     flight: Vec<PathBuf>,
-    /// Page that the viewer opens with. [default: the page of --beside if that is given, else stages]
+    /// Page that the viewer opens with. [default: the page of --beside if that is given, else that of the
+    /// recording: stages, or the mission]
     #[arg(long, value_enum)]
     layout: Option<LayoutArg>,
     /// Revolution to open at. [default: the last]

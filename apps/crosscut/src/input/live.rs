@@ -10,7 +10,7 @@ use crosscut_stage::counted;
 
 use super::args::{InputArgs, LiveArgs, live_input, without_query};
 use crate::exit::UsageError;
-use crate::output::say;
+use crate::output::{looking::quoted, say};
 
 /// After so long without a scan, that is said.
 const SILENCE: Duration = Duration::from_secs(2);
@@ -124,7 +124,8 @@ pub(crate) fn hear(robot: &RobotAddress, robots: Option<&dyn Robots>, feed: Feed
         let address = &robot.address;
         return Err(UsageError(format!(
             "{address} is a live robot, and this crosscut has no network: the wheel has. `python/run --install` builds it, and \
-             then `target/python/venv/bin/crosscut run {address}` hears the robot"
+             then `target/python/venv/bin/crosscut run {}` hears the robot",
+            quoted(address)
         ))
         .into());
     };

@@ -68,16 +68,26 @@ impl Written {
         Ok(())
     }
 
-    /// Writes what is left of each file, whatever becomes of the others; nothing if there was no revolution.
+    /// Writes what is left of each file, whatever becomes of the others; nothing if there was no revolution. A map that cannot be
+    /// written is a loss, and a failure if nothing else was asked for.
     ///
     /// # Errors
     /// When the results cannot be written.
-    pub(crate) fn finish(&mut self, flown: &Flown, diagnostics: &mut Diagnostics) -> io::Result<()> {
+    pub(crate) fn finish(
+        &mut self,
+        flown: &Flown,
+        is_map_alone: bool,
+        diagnostics: &mut Diagnostics,
+    ) -> io::Result<()> {
         if flown.is_empty() {
             return Ok(());
         }
         let map = self.map.as_mut().and_then(|map| map.finish(&self.mapper, &self.no_place).err());
-        diagnostics.lost_all(map.map(|error| format!("{error:#}")));
+        match map {
+            Some(error) if is_map_alone => diagnostics.error(format!("{error:#}")),
+            Some(error) => diagnostics.lost(format!("{error:#}")),
+            None => {}
+        }
         self.results.as_mut().map_or(Ok(()), Results::finish)
     }
 }

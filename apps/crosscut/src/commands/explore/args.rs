@@ -50,11 +50,14 @@ pub(crate) struct ExploreArgs {
     pub(super) quiet: bool,
 }
 
+/// More missions than anybody waits for.
+const MOST_SEEDS: u64 = 1_000_000;
+
 /// A seed, or all from one to another: `7`, `201..210`.
 fn seeds(text: &str) -> Result<RangeInclusive<u64>, String> {
     let (first, last) = text.split_once("..").unwrap_or((text, text));
     match (first.parse(), last.parse()) {
-        (Ok(first), Ok(last)) if first <= last => Ok(first..=last),
-        _ => Err("a whole number from 0 on, or FIRST..LAST".to_owned()),
+        (Ok(first), Ok(last)) if first <= last && last - first < MOST_SEEDS => Ok(first..=last),
+        _ => Err(format!("a whole number from 0 on, or FIRST..LAST of at most {MOST_SEEDS}")),
     }
 }

@@ -95,7 +95,10 @@ fn jobs(args: &ExploreArgs) -> anyhow::Result<Vec<Job>> {
     }
     let chosen: Vec<&Family> = match &args.mission {
         Some(name) if name == ALL => families().iter().collect(),
-        Some(name) => vec![chosen("mission", name, families(), |family| family.name)?],
+        Some(name) => vec![
+            chosen("mission", name, families(), |family| family.name)
+                .map_err(|UsageError(refused)| UsageError(format!("{refused}; or `{ALL}` of them")))?,
+        ],
         None => {
             let usage = "name a mission, `all` of them, or --plan PLAN.json; --list shows the missions";
             return Err(UsageError(usage.to_owned()).into());

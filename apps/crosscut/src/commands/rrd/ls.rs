@@ -15,18 +15,35 @@ use crate::output::typeset::plain;
 pub(super) fn ls(args: &RrdLsArgs) -> anyhow::Result<Outcome> {
     match Recording::open(&args.recording) {
         Ok(recording) => list(args, &recording),
-        Err(ReadError::Several { ids, .. }) => ids.iter().enumerate().try_fold(Outcome::Done, |outcome, (at, id)| {
-            let heading = format!("{}recording   {id}\n", if at == 0 { "" } else { "\n" });
-            std::io::stdout().write_all(heading.as_bytes()).context("standard output")?;
-            let of_this = list(args, &open(&args.recording, Some(id))?)?;
-            Ok(if of_this == Outcome::Done { outcome } else { of_this })
-        }),
+        Err(ReadError::Several { ids, .. }) => {
+            let mut opened = Vec::new();
+            for id in &ids {
+                opened.push((id, open(&args.recording, Some(id))?));
+            }
+            // Those with the entity that was asked for, or, so that it is refused, all.
+            if let Some(entity) = path_of(args)
+                && opened.iter().any(|(_, recording)| recording.entities().contains_key(&entity))
+            {
+                opened.retain(|(_, recording)| recording.entities().contains_key(&entity));
+            }
+            opened.iter().enumerate().try_fold(Outcome::Done, |outcome, (at, (id, recording))| {
+                let heading = format!("{}recording   {id}\n", if at == 0 { "" } else { "\n" });
+                std::io::stdout().write_all(heading.as_bytes()).context("standard output")?;
+                let of_this = list(args, recording)?;
+                Ok(if of_this == Outcome::Done { outcome } else { of_this })
+            })
+        }
         Err(error) => Err(error.into()),
     }
 }
 
+/// The path of the entity that was asked for, if one was.
+fn path_of(args: &RrdLsArgs) -> Option<String> {
+    args.entity.as_ref().map(|entity| format!("/{}", entity.trim_start_matches('/')))
+}
+
 fn list(args: &RrdLsArgs, recording: &Recording) -> anyhow::Result<Outcome> {
-    let entity = args.entity.as_ref().map(|entity| format!("/{}", entity.trim_start_matches('/')));
+    let entity = path_of(args);
     if let Some(entity) = &entity {
         recording.rows(entity).map_err(|error| UsageError(error.to_string()))?; // which names those that there are
     }
