@@ -44,28 +44,15 @@ pub(crate) fn from_partition(
 
 /// Gives each wall the smallest arc that holds all its returns, anticlockwise.
 fn set_bearings(revolution: &Revolution, out: &mut Junction) {
-    // All bearings, wall by wall.
-    let mut next = Vec::with_capacity(out.walls.len());
-    let mut count = 0;
-    for wall in &out.walls {
-        next.push(count);
-        count += wall.returns;
-    }
-    let mut bearings_rad = vec![0.0; count];
-    for (point, wall) in revolution.points_m.iter().zip(&out.wall_of_return) {
-        if let Some(wall) = wall {
-            bearings_rad[next[*wall as usize]] = point.y.atan2(point.x);
-            next[*wall as usize] += 1;
-        }
-    }
-    // Where the next wall would start, each has ended.
-    for (wall, end) in out.walls.iter_mut().zip(next) {
-        wall.bearing_rad = arc(&mut bearings_rad[end - wall.returns..end]);
+    let returns = || revolution.points_m.iter().zip(&out.wall_of_return);
+    for wall in &mut out.walls {
+        let of_wall = returns().filter(|(_, of)| **of == Some(wall.id));
+        wall.bearing_rad = arc(of_wall.map(|(point, _)| point.y.atan2(point.x)).collect());
     }
 }
 
 /// The arc is what remains of the circle when the widest gap between neighbouring bearings is left out.
-fn arc(bearings_rad: &mut [f64]) -> [f64; 2] {
+fn arc(mut bearings_rad: Vec<f64>) -> [f64; 2] {
     bearings_rad.sort_by(f64::total_cmp);
     let (Some(&first), Some(&last)) = (bearings_rad.first(), bearings_rad.last()) else { return [0.0; 2] };
     let mut widest = (first + TAU - last, [first, last]);

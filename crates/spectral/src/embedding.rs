@@ -1,33 +1,6 @@
-//! What follows a full decomposition: the count of zeros and U.
+//! U: its memory, and the signs of its columns.
 
-use crosscut_stage::{Spectrum, StageError};
 use faer::Mat;
-
-use crate::zeros::count_zeros;
-
-/// Counts the zeros among `out.eigenvalues` (all n, ascending), those below `tolerance`, and makes U of the k eigenvectors that belong to them.
-///
-/// `eigenvector(j)` gives the n entries of the unit eigenvector of λ_j.
-pub(crate) fn embed<'a>(
-    tolerance: f64,
-    eigenvector: impl Fn(usize) -> &'a [f64],
-    out: &mut Spectrum,
-) -> Result<(), StageError> {
-    let n = out.eigenvalues.len();
-    if !out.eigenvalues.iter().all(|eigenvalue| eigenvalue.is_finite()) {
-        return Err(StageError::NoConvergence { n });
-    }
-    count_zeros(out, n, tolerance);
-    out.u.resize_with(n, out.k, |_, _| 0.0);
-    for j in 0..out.k {
-        let column = eigenvector(j);
-        let sign = sign_of_largest(column);
-        for (u, v) in out.u.col_as_slice_mut(j).iter_mut().zip(column) {
-            *u = sign * v;
-        }
-    }
-    Ok(())
-}
 
 /// Makes `u` a matrix of zeros in the memory that it has.
 pub(crate) fn make_zero(u: &mut Mat<f64>, nrows: usize, ncols: usize) {

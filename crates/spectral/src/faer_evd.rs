@@ -5,9 +5,9 @@
 use crosscut_stage::{Affinity, Eigenvalues, Kind, Notes, SpectralStage, Spectrum, StageError};
 
 use crate::decomposition::Decomposition;
-use crate::embedding::embed;
+use crate::embedding::sign_of_largest;
 use crate::laplacian::Laplacian;
-use crate::zeros::ZERO_TOLERANCE;
+use crate::zeros::{ZERO_TOLERANCE, count_zeros};
 
 /// The full decomposition, against which the other solvers are checked.
 pub const KIND: Kind<dyn SpectralStage> =
@@ -32,6 +32,14 @@ impl FaerEvd {
 impl SpectralStage for FaerEvd {
     fn spectrum(&mut self, affinity: &Affinity, out: &mut Spectrum, _: &mut Notes) -> Result<(), StageError> {
         self.decomposition.decompose(self.laplacian.form(affinity)?, &mut out.eigenvalues)?;
-        embed(self.tolerance, |j| self.decomposition.eigenvector(j), out)
+        let n = out.eigenvalues.len();
+        count_zeros(out, n, self.tolerance);
+        out.u.resize_with(n, out.k, |_, _| 0.0);
+        for j in 0..out.k {
+            let column = self.decomposition.eigenvector(j);
+            let sign = sign_of_largest(column);
+            out.u.col_as_slice_mut(j).iter_mut().zip(column).for_each(|(u, v)| *u = sign * v);
+        }
+        Ok(())
     }
 }

@@ -149,21 +149,19 @@ impl SpectralStage for Slicing {
                 *part = self.solve(&l, first, |_| all, &mut unseen, notes)?;
             }
         }
-        self.assemble(&parts, affinity.degrees.len(), out)
+        self.assemble(&parts, affinity.degrees.len(), out);
+        Ok(())
     }
 }
 
 impl Slicing {
     /// The eigenvalues of all parts in one row, and U.
-    fn assemble(&self, parts: &[Part], n: usize, out: &mut Spectrum) -> Result<(), StageError> {
+    fn assemble(&self, parts: &[Part], n: usize, out: &mut Spectrum) {
         let mut all: Vec<(f64, &[u32], &[f64])> = Vec::new();
         for Part { members, lowest } in parts {
             let vector = |j| if j < lowest.vectors.ncols() { lowest.vectors.col_as_slice(j) } else { &[] };
             let pairs = lowest.eigenvalues.iter().enumerate();
             all.extend(pairs.map(|(j, &eigenvalue)| (eigenvalue, &members[..], vector(j))));
-        }
-        if all.iter().any(|(eigenvalue, ..)| !eigenvalue.is_finite()) {
-            return Err(StageError::NoConvergence { n });
         }
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
         out.eigenvalues.clear();
@@ -178,7 +176,6 @@ impl Slicing {
             let sign = sign_of_largest(column);
             column.iter_mut().for_each(|x| *x *= sign);
         }
-        Ok(())
     }
 }
 
