@@ -89,8 +89,8 @@ const ALL: &str = "all";
 fn jobs(args: &ExploreArgs) -> anyhow::Result<Vec<Job>> {
     if let Some(path) = &args.plan {
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
-        let job = |(seed, world)| Job { name: name.clone().into_owned(), seed, place: Place::Plan(Box::new(world)) };
-        let of_seed = |plan: &Plan, seed| plan.world(seed).map(|world| job((seed, world)));
+        let job = |seed, world| Job { name: name.clone().into_owned(), seed, place: Place::Plan(Box::new(world)) };
+        let of_seed = |plan: &Plan, seed| plan.world(seed).map(|world| job(seed, world));
         return Ok(of_plan(path, |plan| args.seed.clone().map(|seed| of_seed(&plan, seed)).collect())?);
     }
     let chosen: Vec<&Family> = match &args.mission {
