@@ -262,7 +262,7 @@ mod tests {
         csr.clear();
         csr.push(0, 2.0);
         csr.end_row();
-        assert_eq!((csr.n(), csr.nonzeros(), csr.row(0)), (1, 1, (&[0u32][..], &[2.0][..])));
+        assert_eq!((csr.n(), csr.values().len(), csr.row(0)), (1, 1, (&[0u32][..], &[2.0][..])));
     }
 
     #[test]

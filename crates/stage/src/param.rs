@@ -289,6 +289,7 @@ impl ParamSpec {
     /// # Errors
     /// When its type or its size is not allowed.
     pub fn check(&self, value: Value) -> Result<Value, ParamError> {
+        let value = self.as_real(value);
         let allowed = match self.shape {
             Shape::Flag { .. } => value.as_bool().map(|_| true),
             Shape::Integer { min, max, .. } => value.as_integer().map(|i| (min..=max).contains(&i)),
@@ -299,7 +300,7 @@ impl ParamSpec {
             Shape::Names { of } => names(&value).map(|names| names.iter().all(|name| of.contains(&name.as_str()))),
         };
         let kind = match allowed {
-            Some(true) => return Ok(self.as_real(value)),
+            Some(true) => return Ok(value),
             Some(false) => ParamErrorKind::OutOfRange,
             None => ParamErrorKind::WrongType,
         };
@@ -307,11 +308,14 @@ impl ParamSpec {
         Err(ParamError { kind, name, value, expected: self.expected() })
     }
 
-    /// An allowed value with real numbers where whole ones served for them.
+    /// A value with real numbers where whole ones serve for them.
     fn as_real(&self, value: Value) -> Value {
         match self.shape {
             Shape::Number { .. } => number(&value).map_or(value, Value::Float),
-            Shape::Pairs { .. } => pairs(&value).into_iter().flatten().map(Vec::from).collect::<Vec<_>>().into(),
+            Shape::Pairs { .. } => match pairs(&value) {
+                Some(pairs) => pairs.into_iter().map(Vec::from).collect::<Vec<_>>().into(),
+                None => value,
+            },
             _ => value,
         }
     }
