@@ -8,7 +8,7 @@
 //! range of the return before; its drawing shows the nearer one, which gives the same answer in both directions of
 //! turning. Neighbours are successive returns with at most `missing_beams` beams between them (nothing in range, masked
 //! or unreadable, all alike); Δφ is the angle between the two, and they break if it reaches λ. In a full turn the last
-//! return is a neighbour of the first. Points without beams have no neighbours, so a sweep is needed.
+//! return is a neighbour of the first; across a blind sector of more than 30° none are neighbours. Points without beams have no neighbours, so a sweep is needed.
 
 use crosscut_scan::Ring;
 use crosscut_stage::{Affinity, AffinityStage, Count, Invariance, Kind, Notes, Number, Revolution, StageError};

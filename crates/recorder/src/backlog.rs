@@ -144,13 +144,13 @@ impl Backlog {
 }
 
 /// Estimated bytes in memory of a revolution without its matrices, and with its whole share. Points, ranges, labels and
-/// drawings take about 100 bytes a return; pictures and edges half a byte for each of n²; U and its drawing 8 bytes a
-/// number; the exact W up to 12 bytes an entry.
+/// drawings take about 100 bytes a return, centroids 8 bytes a number; pictures and edges half a byte for each of n²; U and its
+/// drawing 8 bytes a number; the exact W up to 12 bytes an entry, the exact U 8 bytes a number.
 fn estimated_bytes(frame: &Frame, share: Share) -> (u64, u64) {
     let (n, k) = (frame.revolution.len() as u64, frame.spectrum.u.ncols() as u64);
-    let light = (16 << 10) + 100 * n;
-    let matrices = if share.matrices { n * n / 2 + 8 * n * k.min(64) } else { 0 };
-    let exact = if share.exact { 12 * frame.affinity.weights.stored() as u64 } else { 0 };
+    let light = (16 << 10) + 100 * n + 8 * frame.partition.centroids.nrows() as u64 * k;
+    let matrices = if share.matrices { n * n / 2 + 8 * n * k } else { 0 };
+    let exact = if share.exact { 12 * frame.affinity.weights.stored() as u64 + 8 * n * k } else { 0 };
     (light, light + matrices + exact)
 }
 

@@ -67,7 +67,7 @@ impl SpectralStage for ComponentZeros {
         out.eigenvalues.clear();
         out.eigenvalues.resize(out.k, 0.0);
         (out.tolerance, out.margin_decades) = (f64::MIN_POSITIVE, None);
-        make_zero(&mut out.u, degrees.len(), out.k);
+        make_zero(&mut out.u, degrees.len(), out.k)?;
         for (i, (degree, &component)) in degrees.iter().zip(component_of_return).enumerate() {
             out.u[(i, component as usize)] = (degree / volumes[component as usize]).sqrt();
         }

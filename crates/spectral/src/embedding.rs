@@ -1,11 +1,25 @@
 //! U: its memory, and the signs of its columns.
 
+use crosscut_stage::StageError;
 use faer::Mat;
 
+/// Numbers in a U, 134 MB of them: 4096 returns, of which each is a component of its own.
+const MOST_NUMBERS: usize = 1 << 24;
+
 /// Makes `u` a matrix of zeros in the memory that it has.
-pub(crate) fn make_zero(u: &mut Mat<f64>, nrows: usize, ncols: usize) {
+///
+/// # Errors
+/// If there are more than [`MOST_NUMBERS`].
+pub(crate) fn make_zero(u: &mut Mat<f64>, nrows: usize, ncols: usize) -> Result<(), StageError> {
+    if nrows.saturating_mul(ncols) > MOST_NUMBERS {
+        return Err(StageError::TooLarge(format!(
+            "U of {nrows} returns in {ncols} components has more than {MOST_NUMBERS} numbers; an affinity with more edges leaves \
+             fewer components"
+        )));
+    }
     u.resize_with(nrows, ncols, |_, _| 0.0);
     u.fill(0.0);
+    Ok(())
 }
 
 /// The sign of the entry of largest magnitude, the first of equals.

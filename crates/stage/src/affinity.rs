@@ -143,7 +143,7 @@ impl Weights {
     /// All n×n entries.
     pub fn to_dense(&self) -> Mat<f64> {
         let mut w = Mat::zeros(self.n(), self.n());
-        self.for_each(|i, j, value| w[(i, j)] = value);
+        self.for_each(|i, j, value| w[(i, j)] += value);
         w
     }
 

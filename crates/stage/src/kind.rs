@@ -152,7 +152,7 @@ impl Kind<dyn SpectralStage> {
         self
     }
 
-    /// Makes the kind one that never allocates a dense matrix for a sparse W.
+    /// Makes the kind one that never allocates an n×n matrix for a sparse W.
     pub const fn stays_sparse(mut self) -> Self {
         self.properties.stays_sparse = true;
         self

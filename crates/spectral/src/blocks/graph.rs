@@ -2,7 +2,7 @@
 
 use crosscut_stage::{Affinity, Csr, StageError, Weights};
 
-/// W and D of a sound affinity, in buffers that are used again.
+/// W and D of a sound affinity.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Graph {
     /// W, by rows.

@@ -155,13 +155,13 @@ impl Solver {
 
     /// Writes U of returns of these degrees: one column for each block, in their order, or those of `decomposed`,
     /// ascending.
-    fn embed(&self, degrees: &[f64], decomposed: &[Decomposed], u: &mut Mat<f64>) {
+    fn embed(&self, degrees: &[f64], decomposed: &[Decomposed], u: &mut Mat<f64>) -> Result<(), StageError> {
         let mut first: Vec<usize> = (0..self.split.volumes.len()).collect();
         for Decomposed { block, spectrum, .. } in decomposed {
             first[block + 1..].iter_mut().for_each(|first| *first += spectrum.k - 1);
         }
         let columns = self.split.volumes.len() + decomposed.iter().map(|block| block.spectrum.k - 1).sum::<usize>();
-        make_zero(u, degrees.len(), columns);
+        make_zero(u, degrees.len(), columns)?;
         for (i, (degree, &block)) in degrees.iter().zip(&self.split.block_of_return).enumerate() {
             u[(i, first[block as usize])] = (degree / self.split.volumes[block as usize]).sqrt();
         }
@@ -170,6 +170,7 @@ impl Solver {
                 (0..spectrum.k).for_each(|j| u[(i as usize, first[*block] + j)] = spectrum.u[(rank, j)]);
             }
         }
+        Ok(())
     }
 }
 
@@ -206,7 +207,7 @@ impl SpectralStage for Blocks {
         let several = solver.several.iter();
         let decompose = |&block| Decomposed::new(full, affinity, solver.members(block), block, notes);
         let decomposed: Vec<Decomposed> = several.map(decompose).collect::<Result<_, _>>()?;
-        solver.embed(degrees, &decomposed, &mut out.u);
+        solver.embed(degrees, &decomposed, &mut out.u)?;
 
         out.k = out.u.ncols();
         out.tolerance = tolerance;

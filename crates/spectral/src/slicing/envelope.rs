@@ -91,7 +91,7 @@ impl Envelope {
     /// Takes the returns that are connected with `first` out of `unseen`, and factorises L - `shift`·I of them. `false`
     /// if a pivot is 0 or no number, as after a weight that is not finite; the members are found all the same.
     ///
-    /// ColumnPanel by panel, each as soon as its returns are known: W is read once, and the factor written once.
+    /// Panel by panel, each as soon as its returns are known: W is read once, and the factor written once.
     pub(crate) fn factorise(&mut self, l: &Normalised<'_>, first: u32, unseen: &mut Unseen, shift: f64) -> bool {
         self.begin(first, unseen.count + 1, shift);
         let mut sound = true;

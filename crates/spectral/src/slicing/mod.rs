@@ -169,7 +169,7 @@ impl Slicing {
         count_zeros(out, n, self.tolerance);
         // Every part gave these; a larger one may be missing in some part.
         out.eigenvalues.truncate(self.eigenvalues.max(out.k + 1));
-        make_zero(&mut out.u, n, out.k);
+        make_zero(&mut out.u, n, out.k)?;
         for (j, (_, members, vector)) in all[..out.k].iter().enumerate() {
             let column = out.u.col_as_slice_mut(j);
             members.iter().zip(*vector).for_each(|(&i, x)| column[i as usize] = *x);
