@@ -149,14 +149,13 @@ impl SpectralStage for Slicing {
                 *part = self.solve(&l, first, |_| all, &mut unseen, notes)?;
             }
         }
-        self.assemble(&parts, affinity.degrees.len(), out);
-        Ok(())
+        self.assemble(&parts, affinity.degrees.len(), out)
     }
 }
 
 impl Slicing {
     /// The eigenvalues of all parts in one row, and U.
-    fn assemble(&self, parts: &[Part], n: usize, out: &mut Spectrum) {
+    fn assemble(&self, parts: &[Part], n: usize, out: &mut Spectrum) -> Result<(), StageError> {
         let mut all: Vec<(f64, &[u32], &[f64])> = Vec::new();
         for Part { members, lowest } in parts {
             let vector = |j| if j < lowest.vectors.ncols() { lowest.vectors.col_as_slice(j) } else { &[] };
@@ -176,6 +175,7 @@ impl Slicing {
             let sign = sign_of_largest(column);
             column.iter_mut().for_each(|x| *x *= sign);
         }
+        Ok(())
     }
 }
 
