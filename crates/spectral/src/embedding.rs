@@ -3,8 +3,8 @@
 use crosscut_stage::StageError;
 use faer::Mat;
 
-/// Numbers in a U, 134 MB of them: 4096 returns, of which each is a component of its own.
-const MOST_NUMBERS: usize = 1 << 24;
+/// Numbers in a U, 268 MB of them: twice those of 4096 returns, the most of a message, of which each is a component of its own.
+const MOST_NUMBERS: usize = 1 << 25;
 
 /// Makes `u` a matrix of zeros in the memory that it has.
 ///
