@@ -177,7 +177,7 @@ fn log(path: &str) -> Result<Vec<Taken>, Box<dyn Error>> {
 fn follow(taken: &[Taken]) -> Flown {
     let (mut tracker, sensor) = (PoseTracker::new(&Params::defaults(PARAMS)), Sensor::default());
     let mut revolution = Revolution::default();
-    let (mut found, mut true_m, mut by_odometry) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut found, mut judged, mut true_m, mut by_odometry) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let (mut sds_m, mut stretches, mut ns) = (Vec::new(), 0, 0);
     for of in taken {
         sensor.revolution(&of.scan, &mut revolution, &mut Notes::default());
@@ -189,11 +189,15 @@ fn follow(taken: &[Taken]) -> Flown {
         let sd_m = tracked.and_then(|of| of.doubt.from_start_sd_m(Point2::from(place_m)));
         stretches = tracked.map_or(stretches, |of| of.doubt.stretch);
         found.push(place_m);
-        sds_m.push(sd_m);
-        true_m.push(of.pose.translation.vector);
-        by_odometry.push(of.odometry.map_or_else(Vector2::zeros, |odometry| odometry.translation.vector));
+        // Of some logs not each pose is known.
+        if of.pose.translation.vector.x.is_finite() {
+            judged.push(place_m);
+            sds_m.push(sd_m);
+            true_m.push(of.pose.translation.vector);
+            by_odometry.push(of.odometry.map_or_else(Vector2::zeros, |odometry| odometry.translation.vector));
+        }
     }
-    let (off_m, odometry_off_m) = (apart_m(&found, &true_m), apart_m(&by_odometry, &true_m));
+    let (off_m, odometry_off_m) = (apart_m(&judged, &true_m), apart_m(&by_odometry, &true_m));
     let known = sds_m.iter().flatten().count();
     let beyond = off_m.iter().zip(&sds_m).filter(|(off_m, sd_m)| sd_m.is_some_and(|sd_m| **off_m > 3.0 * sd_m + LEAST_M));
     Flown {
@@ -201,7 +205,7 @@ fn follow(taken: &[Taken]) -> Flown {
         odometry_off_m: root_mean_square(&odometry_off_m),
         way_m: true_m.windows(2).map(|two| (two[1] - two[0]).norm()).sum(),
         beyond: beyond.count() as f64 / known.max(1) as f64,
-        unknown: 1.0 - known as f64 / taken.len() as f64,
+        unknown: 1.0 - known as f64 / sds_m.len() as f64,
         stretches: stretches as usize,
         us: ns as f64 / 1000.0 / taken.len() as f64,
     }
