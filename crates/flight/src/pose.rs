@@ -177,9 +177,8 @@ impl PoseTracker {
         // Odometry may stand still where the vehicle does not.
         let moved_m = step.translation.vector.norm().max(self.step.translation.vector.norm());
         let turned_rad = step.rotation.angle().abs().max(self.step.rotation.angle().abs());
-        let share = self.agreement.share(self.odometry_share);
-        let deviation_m = ODOMETRY_FLOOR + share * moved_m;
-        let deviation_rad = ODOMETRY_FLOOR + share * turned_rad;
+        let deviation_m = ODOMETRY_FLOOR + self.odometry_share * moved_m;
+        let deviation_rad = ODOMETRY_FLOOR + self.odometry_share * turned_rad;
         let deviations = Vector3::new(deviation_m, deviation_m, deviation_rad);
         let covariance = Matrix3::from_diagonal(&deviations.component_mul(&deviations));
         let step = self.pose.inv_mul(&(there * step));

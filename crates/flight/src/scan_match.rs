@@ -94,6 +94,11 @@ const CONTRADICTS: f64 = 3.0;
 /// Returns that follow each other err alike: so many of them count as one where they are weighed against odometry.
 const ALIKE: f64 = 8.0;
 
+/// The scale of the odometry's variance follows this share of each innovation, within these bounds.
+const EARNED: f64 = 0.05;
+const LEAST_EARNED: f64 = 0.25;
+const MOST_EARNED: f64 = 100.0;
+
 /// Wheels slip, so that what odometry shows weighs no more than this against the walls, as a square of standard deviations.
 const MOST_OF_ODOMETRY: f64 = 25.0;
 
@@ -163,6 +168,7 @@ pub struct ScanMatcher {
     last_step: Isometry2<f64>,
     /// Covariance of the pose on the map, in its axes.
     carried: Matrix3<f64>,
+    earned: Earned,
     /// The walls contradicted the odometry, and more spoke for the odometry.
     contradicts: bool,
     usual: UsualShare,
@@ -206,6 +212,7 @@ impl ScanMatcher {
         line_points(&revolution.points_m, every, &mut self.line_points);
         let steady = self.steady_motion();
         let carried = if predicted.is_some() { self.carried } else { Matrix3::zeros() };
+        let predicted = predicted.map(|motion| Motion { covariance: self.earned.scaled(&motion.covariance), ..motion });
         let prediction = self.prediction(&predicted.unwrap_or(steady), &carried, 0.0);
         self.contradicts = false;
         // A revolution without walls, such as one of a covered lidar, is not lost: the next may match again.
@@ -250,6 +257,9 @@ impl ScanMatcher {
         let is_found = best.matched.held == Held::Everywhere && self.usual.revolutions >= USUAL_AFTER;
         let best = if has_odometry || is_found { best } else { self.search(&steady, best) };
         let surprise = prediction.surprise(&difference(&best.matched.pose, &prediction.pose));
+        if has_odometry && best.matched.held == Held::Everywhere {
+            self.earned.add(&difference(&best.matched.pose, &prediction.pose), &prediction.covariance);
+        }
         let matched = if has_odometry {
             if best.matched.lost || surprise > CONTRADICTS { self.weigh(prediction, best, surprise) } else { best.matched }
         } else if self.usual.is_unusual(best.matched.matched, surprise) {
@@ -304,6 +314,10 @@ impl ScanMatcher {
         }
         let off = difference(&pose, &prediction.pose);
         let by_odometry = self.unmatched(&walls.evidence) / ALIKE + off.dot(&(tight * off));
+        if std::env::var_os("DBG").is_some() {
+            eprintln!("weigh at {:.2?} z {:.3?} D-z {:.3?} s {surprise:.1} mz {:.2} mD {:.2} Jz {:.1}+ JD {:.1} (prior {:.1}) held {:?} sd {:.3?}",
+                prediction.pose.translation.vector.as_slice(), difference(&by_walls.matched.pose, &prediction.pose).as_slice(), difference(&pose, &by_walls.matched.pose).as_slice(), by_walls.matched.matched, walls.evidence.matched as f64/self.matching.len() as f64, by_walls.walls/ALIKE, by_odometry, off.dot(&(tight*off)), by_walls.matched.held, prediction.covariance.diagonal().map(f64::sqrt).as_slice());
+        }
         if by_walls.walls / ALIKE + (surprise * surprise).min(MOST_OF_ODOMETRY) < by_odometry {
             return by_walls.matched;
         }
@@ -410,6 +424,33 @@ impl ScanMatcher {
         line_points(&revolution.points_m, 1, &mut self.line_points);
         for point in &self.line_points {
             self.map.insert(point.at(&self.pose));
+        }
+    }
+}
+
+/// How many times the variance of its motions that odometry is stated to have it has shown, by position and by heading.
+#[derive(Clone, Copy, Debug)]
+struct Earned([f64; 2]);
+
+impl Default for Earned {
+    fn default() -> Self {
+        Self([1.0; 2])
+    }
+}
+
+impl Earned {
+    fn scaled(&self, covariance: &Matrix3<f64>) -> Matrix3<f64> {
+        let [position, heading] = self.0.map(f64::sqrt);
+        let scale = Matrix3::from_diagonal(&Vector3::new(position, position, heading));
+        scale * covariance * scale
+    }
+
+    /// Takes how far a match lies off a motion with a covariance that was scaled.
+    fn add(&mut self, off: &Vector3<f64>, covariance: &Matrix3<f64>) {
+        let expected = covariance + matching_covariance();
+        let square = |at: usize| off[at] * off[at] / expected[(at, at)];
+        for (scale, times) in self.0.iter_mut().zip([0.5 * (square(0) + square(1)), square(2)]) {
+            *scale = (*scale * (1.0 + EARNED * (times.min(MOST_OF_ODOMETRY) - 1.0))).clamp(LEAST_EARNED, MOST_EARNED);
         }
     }
 }
