@@ -68,7 +68,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let [names @ .., first, count] = &args[..] else { return Err("NAME... FIRST_SEED COUNT".into()) };
     let (first, count): (u64, u64) = (first.parse()?, count.parse()?);
-    println!("| flights | kept | off, mean m | odometry | worst, of the odometry | beyond 3 sd | sd null | stretches | us |");
+    println!(
+        "| flights | kept | off, mean m | odometry | worst, of the odometry | beyond 3 sd | sd null | stretches | us |"
+    );
     println!("|---|---|---|---|---|---|---|---|---|");
     for name in names {
         if name.ends_with(".clf") {
@@ -113,7 +115,8 @@ fn scenes(name: &str, seed: u64) -> Result<Scenes, Box<dyn Error>> {
 /// The scans of a flight, at least so far apart, with odometry.
 fn taken(scenes: &[crosscut_simulator::Scene], drift: f64, spacing_m: f64, fault: &str, seed: u64) -> Vec<Taken> {
     let (mut before, mut odometry, mut way_m) = (None, Isometry2::identity(), 0.0);
-    let (mut taken, mut last_m, mut odometries): (Vec<Taken>, f64, Vec<Isometry2<f64>>) = (Vec::new(), -1.0, Vec::new());
+    let (mut taken, mut last_m, mut odometries): (Vec<Taken>, f64, Vec<Isometry2<f64>>) =
+        (Vec::new(), -1.0, Vec::new());
     let sign = if seed.is_multiple_of(2) { 1.0 } else { -1.0 };
     let half = scenes.len() / 2;
     let mut half_m = f64::INFINITY;
@@ -185,7 +188,24 @@ fn follow(taken: &[Taken]) -> Flown {
         let start = Instant::now();
         let tracked = tracker.add(&revolution, &mut Notes::default());
         ns += start.elapsed().as_nanos();
-        let place_m = tracked.map_or_else(|| found.last().copied().unwrap_or_default(), |of| of.pose.translation.vector);
+        if std::env::var_os("DUMP").is_some() {
+            if let (Some(t), Some(o)) = (tracked, of.odometry) {
+                println!(
+                    "P {} {:.3} {:.3} {:.4} {:.3} {:.3} {:.4} {} {}",
+                    of.scan.header.stamp.sec,
+                    t.pose.translation.x,
+                    t.pose.translation.y,
+                    t.pose.rotation.angle(),
+                    o.translation.x,
+                    o.translation.y,
+                    o.rotation.angle(),
+                    of.pose.translation.x,
+                    of.pose.translation.y
+                );
+            }
+        }
+        let place_m =
+            tracked.map_or_else(|| found.last().copied().unwrap_or_default(), |of| of.pose.translation.vector);
         let sd_m = tracked.and_then(|of| of.doubt.from_start_sd_m(Point2::from(place_m)));
         stretches = tracked.map_or(stretches, |of| of.doubt.stretch);
         found.push(place_m);
@@ -199,7 +219,8 @@ fn follow(taken: &[Taken]) -> Flown {
     }
     let (off_m, odometry_off_m) = (apart_m(&judged, &true_m), apart_m(&by_odometry, &true_m));
     let known = sds_m.iter().flatten().count();
-    let beyond = off_m.iter().zip(&sds_m).filter(|(off_m, sd_m)| sd_m.is_some_and(|sd_m| **off_m > 3.0 * sd_m + LEAST_M));
+    let beyond =
+        off_m.iter().zip(&sds_m).filter(|(off_m, sd_m)| sd_m.is_some_and(|sd_m| **off_m > 3.0 * sd_m + LEAST_M));
     Flown {
         off_m: root_mean_square(&off_m),
         odometry_off_m: root_mean_square(&odometry_off_m),

@@ -78,21 +78,19 @@ const FIRST_STEPS: usize = 2;
 const NOISE_TIMES: f64 = 2.0;
 
 /// The walls hold a direction if by what is left they alone show the position along it to within this (standard deviation).
-const HELD_M: f64 = 0.3;
+const HELD_M: f64 = 0.15;
 
 /// A motion that is not the predicted one is taken if the sum is lower by this much with it.
 const OTHER_LEAD: f64 = 4.0;
-
-/// A search without odometry goes so many steps to either side, and takes what is better by so much.
-const SEARCHED: u32 = 12;
-const SEARCH_STEP_M: f64 = 0.15;
-const SEARCH_LEAD: f64 = 15.0;
 
 /// A match that lies this many standard deviations off the motion that odometry shows contradicts it: then both are weighed.
 const CONTRADICTS: f64 = 3.0;
 
 /// Returns that follow each other err alike: so many of them count as one where they are weighed against odometry.
-const ALIKE: f64 = 8.0;
+const ALIKE: f64 = 4.0;
+
+/// A match that contradicts odometry has a share of line points no lower than the usual one less this.
+const LESS_THAN_USUAL: f64 = 0.2;
 
 /// The scale of the odometry's variance follows this share of each innovation, within these bounds.
 const EARNED: f64 = 0.05;
@@ -199,6 +197,14 @@ struct Aligned {
     matched: Matched,
 }
 
+impl Aligned {
+    /// What speaks against it: the walls, and what odometry predicted.
+    fn weighed(&self, by_odometry: &Prediction) -> f64 {
+        let surprise = by_odometry.surprise(&difference(&self.matched.pose, &by_odometry.pose));
+        self.walls / ALIKE + (surprise * surprise).min(MOST_OF_ODOMETRY)
+    }
+}
+
 /// The walls' part of the sum at a pose, less what noise makes.
 struct MatchedWalls {
     evidence: MatchEvidence,
@@ -253,15 +259,15 @@ impl ScanMatcher {
         let others = others.iter().filter(is_far).map(|(other, _)| self.align(other, found.as_ref()));
         // Along a smooth tunnel any motion fits, and standing fits best: the beams meet the walls where they did before.
         let is_shown = |other: &Aligned| !has_odometry || other.matched.held == Held::Everywhere;
-        let best = others.filter(is_shown).fold(first, |best, other| if other.cost < best.cost { other } else { best });
-        let is_found = best.matched.held == Held::Everywhere && self.usual.revolutions >= USUAL_AFTER;
-        let best = if has_odometry || is_found { best } else { self.search(&steady, best) };
+        let sum = |of: &Aligned| if has_odometry { of.weighed(prediction) } else { of.cost };
+        let best =
+            others.filter(is_shown).fold(first, |best, other| if sum(&other) < sum(&best) { other } else { best });
         let surprise = prediction.surprise(&difference(&best.matched.pose, &prediction.pose));
         if has_odometry && best.matched.held == Held::Everywhere {
             self.earned.add(&difference(&best.matched.pose, &prediction.pose), &prediction.covariance);
         }
         let matched = if has_odometry {
-            if best.matched.lost || surprise > CONTRADICTS { self.weigh(prediction, best, surprise) } else { best.matched }
+            if best.matched.lost || surprise > CONTRADICTS { self.weigh(prediction, best) } else { best.matched }
         } else if self.usual.is_unusual(best.matched.matched, surprise) {
             Matched { matched: best.matched.matched, ..prediction.lost() }
         } else {
@@ -270,35 +276,8 @@ impl ScanMatcher {
         Matched { surprise, ..matched }
     }
 
-    /// Searches along the direction in which the walls hold a match least: what lies beyond the kernel does not pull, as an end
-    /// wall in sight of a smooth passage, or rough walls far from scan to scan.
-    fn search(&mut self, steady: &Motion, found: Aligned) -> Aligned {
-        let along = match found.matched.held {
-            Held::ButAlong(along) => along,
-            _ => self.pose.rotation * Vector2::x_axis(),
-        };
-        let mut best = (found.walls, found.matched.pose);
-        for step in 1..=SEARCHED {
-            for side in [1.0, -1.0] {
-                let off_m = along.into_inner() * (side * f64::from(step) * SEARCH_STEP_M);
-                let pose = Isometry2::from_parts((found.matched.pose.translation.vector + off_m).into(), found.matched.pose.rotation);
-                let evidence = self.matching.at(&pose, &self.map, KERNEL_M);
-                let walls = self.unmatched(&MatchEvidence { cost: evidence.cost / (DEVIATION_M * DEVIATION_M), ..evidence });
-                if walls + SEARCH_LEAD < best.0 {
-                    best = (walls, pose);
-                }
-            }
-        }
-        if best.1 == found.matched.pose {
-            return found;
-        }
-        let motion = Motion { step: self.pose.inv_mul(&best.1), ..*steady };
-        let other = self.align(&self.prediction(&motion, &Matrix3::zeros(), SEARCH_LEAD), None);
-        if other.cost < found.cost { other } else { found }
-    }
-
     /// Where a match contradicts the odometry: the one of the two that all of the evidence speaks for.
-    fn weigh(&mut self, prediction: &Prediction, by_walls: Aligned, surprise: f64) -> Matched {
+    fn weigh(&mut self, prediction: &Prediction, by_walls: Aligned) -> Matched {
         let [_, tight] = prediction.information;
         let mut pose = prediction.pose;
         let mut walls = self.walls_at(&pose);
@@ -313,12 +292,10 @@ impl ScanMatcher {
             }
         }
         let off = difference(&pose, &prediction.pose);
-        let by_odometry = self.unmatched(&walls.evidence) / ALIKE + off.dot(&(tight * off));
-        if std::env::var_os("DBG").is_some() {
-            eprintln!("weigh at {:.2?} z {:.3?} D-z {:.3?} s {surprise:.1} mz {:.2} mD {:.2} Jz {:.1}+ JD {:.1} (prior {:.1}) held {:?} sd {:.3?}",
-                prediction.pose.translation.vector.as_slice(), difference(&by_walls.matched.pose, &prediction.pose).as_slice(), difference(&pose, &by_walls.matched.pose).as_slice(), by_walls.matched.matched, walls.evidence.matched as f64/self.matching.len() as f64, by_walls.walls/ALIKE, by_odometry, off.dot(&(tight*off)), by_walls.matched.held, prediction.covariance.diagonal().map(f64::sqrt).as_slice());
-        }
-        if by_walls.walls / ALIKE + (surprise * surprise).min(MOST_OF_ODOMETRY) < by_odometry {
+        let by_odometry = self.walls(&walls.evidence) / ALIKE + off.dot(&(tight * off));
+        // Among walls that were not seen before, a false match lies as well on some as the true pose does.
+        let is_usual = by_walls.matched.matched > self.usual.matched - LESS_THAN_USUAL;
+        if is_usual && by_walls.weighed(prediction) < by_odometry {
             return by_walls.matched;
         }
         self.contradicts = !by_walls.matched.lost;
@@ -327,8 +304,8 @@ impl ScanMatcher {
         Matched { pose, covariance, matched, lost: false, ..prediction.lost() }
     }
 
-    /// The walls' part of the sum, with line points that have none beside them.
-    fn unmatched(&self, evidence: &MatchEvidence) -> f64 {
+    /// The walls' part of the sum, with the line points that have none beside them.
+    fn walls(&self, evidence: &MatchEvidence) -> f64 {
         let unmatched = (self.matching.len() - evidence.matched) as f64;
         evidence.cost + unmatched * (KERNEL_M / DEVIATION_M).powi(2)
     }
@@ -391,7 +368,7 @@ impl ScanMatcher {
         let matched = evidence.matched as f64 / all;
         let off = difference(&pose, &prediction.pose);
         let prior = prediction.prior(held);
-        let walls = self.unmatched(&evidence);
+        let walls = self.walls(&evidence);
         let cost = walls + off.dot(&(prior * off)).max(0.0) + prediction.lead;
         match (evidence.information + prior).try_inverse() {
             Some(covariance) if matched >= LEAST_MATCHED => {
