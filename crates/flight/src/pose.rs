@@ -247,12 +247,12 @@ impl PoseTracker {
         let Compared { odometry_m, scans_m, contradicts, is_new } =
             self.agreement.add(&odometry.step, &self.pose.inv_mul(&matched.pose))?;
         let what = match (contradicts, is_new) {
-            (true, _) => "not believed",
-            (false, true) => "believed again",
+            (true, _) => "they contradict each other",
+            (false, true) => "they agree again",
             (false, false) => return None,
         };
         let moved = format!("the odometry moved by {odometry_m:.1} m, the scans by {scans_m:.1} m");
-        Some((N098, format!("pose: {moved}: the odometry is {what}")))
+        Some((N098, format!("pose: {moved}: {what}")))
     }
 }
 

@@ -77,8 +77,9 @@ const FIRST_STEPS: usize = 2;
 /// What noise of the normals makes of the curvature is taken off this many times.
 const NOISE_TIMES: f64 = 2.0;
 
-/// The walls hold a direction if by what is left they alone show the position along it to within this (standard deviation).
-const HELD_M: f64 = 0.15;
+/// The walls hold a direction if by what is left they alone show the position along it to within this (standard deviation),
+/// beside odometry and without it.
+const HELD_M: [f64; 2] = [0.15, 0.3];
 
 /// A motion that is not the predicted one is taken if the sum is lower by this much with it.
 const OTHER_LEAD: f64 = 4.0;
@@ -130,8 +131,8 @@ pub struct Motion {
 pub struct Matched {
     /// The pose in the frame of the first revolution.
     pub pose: Isometry2<f64>,
-    /// Covariance of the motion since the revolution before, x, y (m²) and yaw (rad²) in the map's axes. It takes the returns
-    /// as independent of each other, so that it is rather too small.
+    /// Covariance of the pose on the walls seen before, x, y (m²) and yaw (rad²) in the map's axes; without odometry of the motion
+    /// since the revolution before. It takes the returns as independent of each other, so that it is rather too small.
     pub covariance: Matrix3<f64>,
     /// Share of the line points of the revolution that have one of the map beside them.
     pub matched: f64,
@@ -166,6 +167,8 @@ pub struct ScanMatcher {
     last_step: Isometry2<f64>,
     /// Covariance of the pose on the map, in its axes.
     carried: Matrix3<f64>,
+    /// Of [`HELD_M`] that which counts for this revolution.
+    held_m: f64,
     earned: Earned,
     /// The walls contradicted the odometry, and more spoke for the odometry.
     contradicts: bool,
@@ -221,6 +224,7 @@ impl ScanMatcher {
         let predicted = predicted.map(|motion| Motion { covariance: self.earned.scaled(&motion.covariance), ..motion });
         let prediction = self.prediction(&predicted.unwrap_or(steady), &carried, 0.0);
         self.contradicts = false;
+        self.held_m = HELD_M[usize::from(predicted.is_none())];
         // A revolution without walls, such as one of a covered lidar, is not lost: the next may match again.
         let matched = if self.map.is_empty() || self.line_points.is_empty() {
             let held = if self.map.is_empty() { Held::Everywhere } else { Held::Nowhere };
@@ -382,7 +386,7 @@ impl ScanMatcher {
     fn walls_at(&mut self, pose: &Isometry2<f64>) -> MatchedWalls {
         const WEIGHT: f64 = 1.0 / (DEVIATION_M * DEVIATION_M);
         let mut evidence = self.matching.at(pose, &self.map, KERNEL_M);
-        let held = take_noise_off(&mut evidence);
+        let held = take_noise_off(&mut evidence, self.held_m);
         evidence.cost *= WEIGHT;
         evidence.information *= WEIGHT;
         evidence.gradient *= WEIGHT;
@@ -480,7 +484,7 @@ impl Prediction {
 
 /// Takes what noise of the normals makes off the curvature and the gradient in the direction in which the walls hold the
 /// position least.
-fn take_noise_off(evidence: &mut MatchEvidence) -> Held {
+fn take_noise_off(evidence: &mut MatchEvidence, held_m: f64) -> Held {
     let all = &evidence.information;
     if evidence.matched == 0 || all[(2, 2)] <= 0.0 {
         return Held::Nowhere;
@@ -496,7 +500,7 @@ fn take_noise_off(evidence: &mut MatchEvidence) -> Held {
     evidence.information = scale * evidence.information * scale;
     evidence.gradient += along_3 * ((share - 1.0) * along_3.dot(&evidence.gradient));
     let left = share * least / (DEVIATION_M * DEVIATION_M);
-    if left > 1.0 / (HELD_M * HELD_M) { Held::Everywhere } else { Held::ButAlong(along) }
+    if left > 1.0 / (held_m * held_m) { Held::Everywhere } else { Held::ButAlong(along) }
 }
 
 /// Covariance of a motion that is predicted from the one before.
