@@ -23,6 +23,12 @@ const APART_SHARE: f64 = 0.2;
 /// The error of the odometry is what was set until this many comparisons were made.
 const FIRST_COMPARISONS: f64 = 2.0;
 
+/// What is taken to be its error at most, as a share: scans may be wrong as well.
+const MOST_SHARE: f64 = 0.3;
+
+/// What a comparison counts for after another one.
+const KEPT: f64 = 0.8;
+
 /// Odometry and scans that differ by this many standard deviations show a slip or a jump.
 const SURPRISING: f64 = 6.0;
 
@@ -104,10 +110,8 @@ impl OdometryAgreement {
             contradicts,
             is_new: contradicts != self.contradicts,
         };
-        let (squares, comparisons) = match contradicts {
-            true => (self.squares, self.comparisons),
-            false => (self.squares + apart * apart, self.comparisons + 1.0),
-        };
+        let squares = KEPT * self.squares + apart.min(MOST_SHARE).powi(2);
+        let comparisons = KEPT * self.comparisons + 1.0;
         let steps = std::mem::take(&mut self.steps);
         *self = Self { steps, contradicts, squares, comparisons, ..Self::default() };
         Some(compared)

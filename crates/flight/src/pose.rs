@@ -6,7 +6,7 @@ use crosscut_stage::NoteCode::{self, N090, N091, N092, N093, N094, N095, N096, N
 use crosscut_stage::{MotionDoubt, Notes, Number, ParamSpec, Params, PoseDoubt, Revolution, Word, is_finite_pose};
 
 use crate::agreement::{Compared, OdometryAgreement, Slip};
-use crate::gap::Clock;
+use crate::gap::{Clock, TimeGap};
 use crate::scan_match::NEIGHBOURS_M;
 use crate::{Held, Matched, Motion, ScanMatcher};
 
@@ -37,6 +37,9 @@ const ODOMETRY_RAD2_PER_M: f64 = 0.009 * 0.009;
 /// A turn of a standing vehicle from scan to scan is less than this: it trembles, and no error adds up.
 const TREMBLES_RAD: f64 = 0.005;
 
+/// After a gap, odometry that leads across it may come so many revolutions late.
+const WAITED: u32 = 5;
+
 /// Gives each revolution of a flight its pose.
 #[derive(Clone, Debug)]
 pub struct PoseTracker {
@@ -47,7 +50,11 @@ pub struct PoseTracker {
     clock: Clock,
     /// The last odometry, and the pose of its revolution.
     odometry: Option<(Isometry2<f64>, Isometry2<f64>)>,
+    /// A gap in time that nothing leads across yet, and how many revolutions there were since.
+    open: Option<(TimeGap, u32)>,
     pose: Isometry2<f64>,
+    /// The last motion.
+    step: Isometry2<f64>,
     doubt: PoseDoubt,
 }
 
@@ -88,7 +95,9 @@ impl PoseTracker {
             agreement: OdometryAgreement::default(),
             clock: Clock::default(),
             odometry: None,
+            open: None,
             pose: Isometry2::identity(),
+            step: Isometry2::identity(),
             doubt: PoseDoubt::default(),
         }
     }
@@ -108,16 +117,20 @@ impl PoseTracker {
         let mut motion = motion.filter(|_| self.kind != PoseKind::ScanMatch);
         let mut begins = false;
         if let Some(gap) = self.clock.gap(revolution.stamp_ns) {
-            let is_bridged = motion.is_some() && !gap.is_back() && !self.agreement.contradicts();
-            if !is_bridged {
-                notes.add(
-                    N096,
-                    format!("pose: {gap}; a new stretch begins, how it lies to the one before is not known"),
-                );
-                self.matcher.forget();
-                (motion, begins) = (None, true);
-            }
+            self.open = Some((gap, 0));
         }
+        if let Some((gap, since)) = self.open.filter(|(gap, _)| gap.is_back() || motion.is_none()) {
+            let may_lead = self.odometry.is_some() && self.kind != PoseKind::ScanMatch && !gap.is_back();
+            if may_lead && since < WAITED {
+                self.open = Some((gap, since + 1));
+                notes.add(N096, format!("pose: {gap}, and no odometry yet that leads across"));
+                return None;
+            }
+            notes.add(N096, format!("pose: {gap}; a new stretch begins, how it lies to the one before is not known"));
+            self.matcher.forget();
+            (motion, begins) = (None, true);
+        }
+        self.open = None;
         let by_odometry = self.kind == PoseKind::Odometry || revolution.beams().is_none();
         let (pose, doubt, lost) = if by_odometry {
             if !had_odometry {
@@ -130,7 +143,7 @@ impl PoseTracker {
                 notes.add(N092, "pose: no odometry at this time; the pose before");
             }
             let pose = motion.map_or(self.pose, |motion| self.pose * motion.step);
-            (pose, self.by_odometry(&pose, self.odometry_share), false)
+            (pose, self.by_odometry(&pose), false)
         } else {
             let is_expected = match self.kind {
                 PoseKind::Auto => had_odometry,
@@ -139,13 +152,12 @@ impl PoseTracker {
             if odometry.is_none() && is_expected {
                 notes.add(N093, "pose: no odometry at this time; by the scan alone");
             }
-            let predicted = motion.filter(|_| !self.agreement.contradicts());
-            let matched = self.matcher.add(revolution, predicted);
-            let doubt = self.by_scan(&matched, predicted.is_some());
-            begins |= matched.lost && predicted.is_none();
-            notes.extend(odd(&matched, begins, predicted.is_some()));
+            let matched = self.matcher.add(revolution, motion);
+            let doubt = self.by_scan(&matched, motion.is_some());
+            begins |= matched.lost;
+            notes.extend(odd(&matched, motion.is_some()));
             notes.extend(self.slip(motion.as_ref(), &matched));
-            notes.extend(self.unknown_length(&matched, predicted.is_some()));
+            notes.extend(self.unknown_length(&matched, motion.is_some()));
             notes.extend(motion.and_then(|motion| self.compare(&motion, &matched)));
             (matched.pose, doubt, matched.lost)
         };
@@ -154,6 +166,7 @@ impl PoseTracker {
         } else {
             self.doubt.add(&doubt, Point2::from(pose.translation.vector));
         }
+        self.step = self.pose.inv_mul(&pose);
         self.pose = pose;
         self.odometry = odometry.map(|odometry| (odometry, pose)).or(self.odometry.filter(|_| !begins));
         Some(Tracked { pose, doubt: self.doubt, lost: lost || begins })
@@ -161,7 +174,9 @@ impl PoseTracker {
 
     /// The motion since the revolution before, by a step of the odometry from the pose `there`.
     fn motion(&self, there: Isometry2<f64>, step: Isometry2<f64>) -> Motion {
-        let (moved_m, turned_rad) = (step.translation.vector.norm(), step.rotation.angle().abs());
+        // Odometry may stand still where the vehicle does not.
+        let moved_m = step.translation.vector.norm().max(self.step.translation.vector.norm());
+        let turned_rad = step.rotation.angle().abs().max(self.step.rotation.angle().abs());
         let deviation_m = ODOMETRY_FLOOR + self.odometry_share * moved_m;
         let deviation_rad = ODOMETRY_FLOOR + self.odometry_share * turned_rad;
         let deviations = Vector3::new(deviation_m, deviation_m, deviation_rad);
@@ -172,9 +187,11 @@ impl PoseTracker {
     }
 
     /// What a motion that the odometry alone shows adds to the doubt.
-    fn by_odometry(&self, pose: &Isometry2<f64>, share: f64) -> MotionDoubt {
+    fn by_odometry(&self, pose: &Isometry2<f64>) -> MotionDoubt {
         let moved_m = pose.translation.vector - self.pose.translation.vector;
-        let turn_rad2 = ODOMETRY_RAD2_PER_M * moved_m.norm();
+        let share = self.agreement.share(self.odometry_share);
+        let turned_rad = share * self.pose.rotation.angle_to(&pose.rotation);
+        let turn_rad2 = ODOMETRY_RAD2_PER_M * moved_m.norm() + turned_rad * turned_rad;
         MotionDoubt { lasting_m: share * moved_m, turn_rad2, ..MotionDoubt::default() }
     }
 
@@ -194,7 +211,7 @@ impl PoseTracker {
                 MotionDoubt { lasting_m: along.into_inner() * share * along.dot(&moved_m), ..by_walls }
             }
             Held::ButAlong(along) => MotionDoubt { guessed_m: deviation_m(matched, &along), ..by_walls },
-            Held::Nowhere if has_odometry => self.by_odometry(&matched.pose, share),
+            Held::Nowhere if has_odometry => self.by_odometry(&matched.pose),
             Held::Nowhere => MotionDoubt { guessed_m: deviation_m(matched, &nalgebra::Vector2::x_axis()), ..by_walls },
         }
     }
@@ -208,7 +225,7 @@ impl PoseTracker {
 
     /// A slip of the wheels, or a jump.
     fn slip(&mut self, odometry: Option<&Motion>, matched: &Matched) -> Option<(NoteCode, String)> {
-        let is_held = !matched.lost && matched.held == Held::Everywhere && !self.agreement.contradicts();
+        let is_held = matched.held == Held::Everywhere && !self.agreement.contradicts();
         let Some(odometry) = odometry.filter(|_| is_held) else {
             self.agreement.interrupt();
             return None;
@@ -230,12 +247,12 @@ impl PoseTracker {
         let Compared { odometry_m, scans_m, contradicts, is_new } =
             self.agreement.add(&odometry.step, &self.pose.inv_mul(&matched.pose))?;
         let what = match (contradicts, is_new) {
-            (true, _) => "not believed",
-            (false, true) => "believed again",
+            (true, _) => "they contradict each other",
+            (false, true) => "they agree again",
             (false, false) => return None,
         };
         let moved = format!("the odometry moved by {odometry_m:.1} m, the scans by {scans_m:.1} m");
-        Some((N098, format!("pose: {moved}: the odometry is {what}")))
+        Some((N098, format!("pose: {moved}: {what}")))
     }
 }
 
@@ -246,14 +263,11 @@ fn deviation_m(matched: &Matched, along: &nalgebra::Unit<nalgebra::Vector2<f64>>
 }
 
 /// What is odd about a match.
-fn odd(matched: &Matched, begins: bool, has_odometry: bool) -> Option<(NoteCode, String)> {
+fn odd(matched: &Matched, has_odometry: bool) -> Option<(NoteCode, String)> {
     if matched.lost {
         let share = 100.0 * matched.matched;
-        let stretch = if begins { ": a new stretch" } else { "" };
-        Some((
-            N094,
-            format!("pose: lost, as only {share:.0} % of the walls match those before; the map begins here{stretch}"),
-        ))
+        let what = "the map begins here: a new stretch";
+        Some((N094, format!("pose: lost, as only {share:.0} % of the walls match those before; {what}")))
     } else if matched.surprise > SURPRISING && !has_odometry {
         let times = matched.surprise;
         Some((N095, format!("pose: a slip or a jump, {times:.0} standard deviations from steady motion")))

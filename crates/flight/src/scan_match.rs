@@ -11,8 +11,9 @@
 //! walls across: what the noise makes by itself is taken off the curvature in the direction in which the walls hold the
 //! position least (compare the degeneracy of Zhang, Kaess and Singh 2016). Where little is left, the direction is not held
 //! ([`Held`]), and odometry holds the pose there as tightly as it is known to. Where the walls hold, odometry may be wrong,
-//! as after a wheel slipped: P is then at least that of a vehicle that moves on steadily, and where steady motion fits the
-//! walls much better, odometry is left out.
+//! as after a wheel slipped: P is then at least that of a vehicle that moves on steadily. A match that ends more than three
+//! standard deviations off the odometry is weighed against it: where the walls lie better by less than the odometry's own
+//! covariance makes of it, the pose is where odometry has it, and walls only correct it as far as that covariance lets them.
 
 use nalgebra::{Isometry2, Matrix2, Matrix3, Point2, Unit, Vector2, Vector3};
 
@@ -76,11 +77,29 @@ const FIRST_STEPS: usize = 2;
 /// What noise of the normals makes of the curvature is taken off this many times.
 const NOISE_TIMES: f64 = 2.0;
 
-/// The walls hold a direction if by what is left they alone show the position along it to within this (standard deviation).
-const HELD_M: f64 = 0.3;
+/// The walls hold a direction if by what is left they alone show the position along it to within this (standard deviation),
+/// beside odometry and without it.
+const HELD_M: [f64; 2] = [0.15, 0.3];
 
-/// Odometry is left out for a revolution if the sum is lower by this much without it.
-const ODOMETRY_LEAD: f64 = 4.0;
+/// A motion that is not the predicted one is taken if the sum is lower by this much with it.
+const OTHER_LEAD: f64 = 4.0;
+
+/// A match that lies this many standard deviations off the motion that odometry shows contradicts it: then both are weighed.
+const CONTRADICTS: f64 = 3.0;
+
+/// Returns that follow each other err alike: so many of them count as one where they are weighed against odometry.
+const ALIKE: f64 = 4.0;
+
+/// A match that contradicts odometry has a share of line points no lower than the usual one less this.
+const LESS_THAN_USUAL: f64 = 0.2;
+
+/// The scale of the odometry's variance follows this share of each innovation, within these bounds.
+const EARNED: f64 = 0.05;
+const LEAST_EARNED: f64 = 0.25;
+const MOST_EARNED: f64 = 100.0;
+
+/// Wheels slip, so that what odometry shows weighs no more than this against the walls, as a square of standard deviations.
+const MOST_OF_ODOMETRY: f64 = 25.0;
 
 /// Revolutions that odometry takes to be farther apart than this are no neighbours: walls that match elsewhere are others.
 pub(crate) const NEIGHBOURS_M: f64 = 1.0;
@@ -112,8 +131,8 @@ pub struct Motion {
 pub struct Matched {
     /// The pose in the frame of the first revolution.
     pub pose: Isometry2<f64>,
-    /// Covariance of the motion since the revolution before, x, y (m²) and yaw (rad²) in the map's axes. It takes the returns
-    /// as independent of each other, so that it is rather too small.
+    /// Covariance of the pose on the walls seen before, x, y (m²) and yaw (rad²) in the map's axes; without odometry of the motion
+    /// since the revolution before. It takes the returns as independent of each other, so that it is rather too small.
     pub covariance: Matrix3<f64>,
     /// Share of the line points of the revolution that have one of the map beside them.
     pub matched: f64,
@@ -146,6 +165,13 @@ pub struct ScanMatcher {
     pose: Isometry2<f64>,
     keyframe: Isometry2<f64>,
     last_step: Isometry2<f64>,
+    /// Covariance of the pose on the map, in its axes.
+    carried: Matrix3<f64>,
+    /// Of [`HELD_M`] that which counts for this revolution.
+    held_m: f64,
+    earned: Earned,
+    /// The walls contradicted the odometry, and more spoke for the odometry.
+    contradicts: bool,
     usual: UsualShare,
 }
 
@@ -166,6 +192,22 @@ struct Prediction {
     lead: f64,
 }
 
+/// A minimum of the sum.
+struct Aligned {
+    cost: f64,
+    /// The walls' part of it.
+    walls: f64,
+    matched: Matched,
+}
+
+impl Aligned {
+    /// What speaks against it: the walls, and what odometry predicted.
+    fn weighed(&self, by_odometry: &Prediction) -> f64 {
+        let surprise = by_odometry.surprise(&difference(&self.matched.pose, &by_odometry.pose));
+        self.walls / ALIKE + (surprise * surprise).min(MOST_OF_ODOMETRY)
+    }
+}
+
 /// The walls' part of the sum at a pose, less what noise makes.
 struct MatchedWalls {
     evidence: MatchEvidence,
@@ -178,48 +220,104 @@ impl ScanMatcher {
         let every = revolution.points_m.len().div_ceil(MOST_POINTS).max(1);
         line_points(&revolution.points_m, every, &mut self.line_points);
         let steady = self.steady_motion();
-        let prediction = self.prediction(&predicted.unwrap_or(steady), 0.0);
+        let carried = if predicted.is_some() { self.carried } else { Matrix3::zeros() };
+        let predicted = predicted.map(|motion| Motion { covariance: self.earned.scaled(&motion.covariance), ..motion });
+        let prediction = self.prediction(&predicted.unwrap_or(steady), &carried, 0.0);
+        self.contradicts = false;
+        self.held_m = HELD_M[usize::from(predicted.is_none())];
         // A revolution without walls, such as one of a covered lidar, is not lost: the next may match again.
         let matched = if self.map.is_empty() || self.line_points.is_empty() {
             let held = if self.map.is_empty() { Held::Everywhere } else { Held::Nowhere };
             Matched { matched: 1.0, lost: false, held, ..prediction.lost() }
         } else {
-            // MatchedWalls off by more than the kernel do not pull: after a slip the minimum lies near the steady motion.
-            self.matching.begin(self.line_points.iter().copied());
-            let first = self.align(&prediction, None);
-            // What ends where this did is no better, unless the prediction pulls at it by more than the other's lead.
-            let off = difference(&first.1.pose, &prediction.pose);
-            let pull = off.dot(&(prediction.prior(first.1.held) * off));
-            let found = (!first.1.lost && pull <= ODOMETRY_LEAD).then_some(first.1.pose);
-            let standing = Motion { step: Isometry2::identity(), ..steady };
-            let others = [(steady, NEAR), (standing, KERNEL_M)]
-                .map(|(motion, near)| (self.prediction(&motion, ODOMETRY_LEAD), near));
-            let is_far = |(other, near): &&(Prediction, f64)| {
-                let off = difference(&other.pose, &prediction.pose);
-                off.amax() > *near && off.xy().norm() < NEIGHBOURS_M
-            };
-            let others = others.iter().filter(is_far).map(|(other, _)| self.align(other, found.as_ref()));
-            // Along a smooth tunnel any motion fits, and standing fits best: the beams meet the walls where they did before.
-            let is_shown = |other: &(f64, Matched)| predicted.is_none() || other.1.held == Held::Everywhere;
-            let best = others.filter(is_shown).fold(first, |best, other| if other.0 < best.0 { other } else { best });
-            let surprise = prediction.surprise(&difference(&best.1.pose, &prediction.pose));
-            let is_other = predicted.is_none() && self.usual.is_unusual(best.1.matched, surprise);
-            let best = if is_other { Matched { matched: best.1.matched, ..prediction.lost() } } else { best.1 };
-            Matched { surprise, ..best }
+            self.match_walls(&prediction, steady, predicted.is_some())
         };
         self.usual.add(&matched);
         self.last_step = if matched.lost { Isometry2::identity() } else { self.pose.inv_mul(&matched.pose) };
         self.pose = matched.pose;
+        self.carried = matched.covariance;
         if matched.lost {
             self.map.clear();
         }
-        self.remember(revolution);
+        if !self.contradicts {
+            self.remember(revolution);
+        }
         matched
+    }
+
+    fn match_walls(&mut self, prediction: &Prediction, steady: Motion, has_odometry: bool) -> Matched {
+        // Walls off by more than the kernel do not pull: after a slip the minimum lies near the steady motion.
+        self.matching.begin(self.line_points.iter().copied());
+        let first = self.align(prediction, None);
+        // What ends where this did is no better, unless the prediction pulls at it by more than the other's lead.
+        let off = difference(&first.matched.pose, &prediction.pose);
+        let pull = off.dot(&(prediction.prior(first.matched.held) * off));
+        let found = (!first.matched.lost && pull <= OTHER_LEAD).then_some(first.matched.pose);
+        let standing = Motion { step: Isometry2::identity(), ..steady };
+        let others = [(steady, NEAR), (standing, KERNEL_M)]
+            .map(|(motion, near)| (self.prediction(&motion, &Matrix3::zeros(), OTHER_LEAD), near));
+        let is_far = |(other, near): &&(Prediction, f64)| {
+            let off = difference(&other.pose, &prediction.pose);
+            off.amax() > *near && off.xy().norm() < NEIGHBOURS_M
+        };
+        let others = others.iter().filter(is_far).map(|(other, _)| self.align(other, found.as_ref()));
+        // Along a smooth tunnel any motion fits, and standing fits best: the beams meet the walls where they did before.
+        let is_shown = |other: &Aligned| !has_odometry || other.matched.held == Held::Everywhere;
+        let sum = |of: &Aligned| if has_odometry { of.weighed(prediction) } else { of.cost };
+        let best =
+            others.filter(is_shown).fold(first, |best, other| if sum(&other) < sum(&best) { other } else { best });
+        let surprise = prediction.surprise(&difference(&best.matched.pose, &prediction.pose));
+        if has_odometry && best.matched.held == Held::Everywhere {
+            self.earned.add(&difference(&best.matched.pose, &prediction.pose), &prediction.covariance);
+        }
+        let matched = if has_odometry {
+            if best.matched.lost || surprise > CONTRADICTS { self.weigh(prediction, best) } else { best.matched }
+        } else if self.usual.is_unusual(best.matched.matched, surprise) {
+            Matched { matched: best.matched.matched, ..prediction.lost() }
+        } else {
+            best.matched
+        };
+        Matched { surprise, ..matched }
+    }
+
+    /// Where a match contradicts the odometry: the one of the two that all of the evidence speaks for.
+    fn weigh(&mut self, prediction: &Prediction, by_walls: Aligned) -> Matched {
+        let [_, tight] = prediction.information;
+        let mut pose = prediction.pose;
+        let mut walls = self.walls_at(&pose);
+        for _ in 0..MAX_ITERATIONS {
+            let off = difference(&pose, &prediction.pose);
+            let Some(factor) = (walls.evidence.information / ALIKE + tight).cholesky() else { break };
+            let step = factor.solve(&-(walls.evidence.gradient / ALIKE + tight * off));
+            pose = stepped(&pose, &step);
+            walls = self.walls_at(&pose);
+            if step.amax() < CONVERGED {
+                break;
+            }
+        }
+        let off = difference(&pose, &prediction.pose);
+        let by_odometry = self.walls(&walls.evidence) / ALIKE + off.dot(&(tight * off));
+        // Among walls that were not seen before, a false match lies as well on some as the true pose does.
+        let is_usual = by_walls.matched.matched > self.usual.matched - LESS_THAN_USUAL;
+        if is_usual && by_walls.weighed(prediction) < by_odometry {
+            return by_walls.matched;
+        }
+        self.contradicts = !by_walls.matched.lost;
+        let matched = walls.evidence.matched as f64 / self.matching.len() as f64;
+        let covariance = (walls.evidence.information / ALIKE + tight).try_inverse().unwrap_or(prediction.covariance);
+        Matched { pose, covariance, matched, lost: false, ..prediction.lost() }
+    }
+
+    /// The walls' part of the sum, with the line points that have none beside them.
+    fn walls(&self, evidence: &MatchEvidence) -> f64 {
+        let unmatched = (self.matching.len() - evidence.matched) as f64;
+        evidence.cost + unmatched * (KERNEL_M / DEVIATION_M).powi(2)
     }
 
     /// Forgets the walls: the revolution that follows does not go with those before.
     pub fn forget(&mut self) {
         self.map.clear();
+        self.carried = Matrix3::zeros();
         self.last_step = Isometry2::identity();
         self.usual = UsualShare::default();
     }
@@ -228,19 +326,27 @@ impl ScanMatcher {
         Motion { step: self.last_step, covariance: steadily(&self.last_step) }
     }
 
-    fn prediction(&self, motion: &Motion, lead: f64) -> Prediction {
+    /// A motion from a pose that is known with a covariance `carried`, in the axes of the map.
+    fn prediction(&self, motion: &Motion, carried: &Matrix3<f64>, lead: f64) -> Prediction {
         let yaw_rad = self.pose.rotation.angle();
+        let moved_m = self.pose.rotation * motion.step.translation.vector;
+        let carry = Matrix3::new(1.0, 0.0, -moved_m.y, 0.0, 1.0, moved_m.x, 0.0, 0.0, 1.0);
+        let carried = carry * carried * carry.transpose();
         let steady = steadily(&motion.step).diagonal().inf(&Vector3::repeat(KERNEL_M * KERNEL_M));
-        let loose = turned(&loosest(&motion.covariance, &Matrix3::from_diagonal(&steady)), yaw_rad);
-        let covariance = turned(&motion.covariance, yaw_rad);
+        let loose = turned(&loosest(&motion.covariance, &Matrix3::from_diagonal(&steady)), yaw_rad) + carried;
+        let covariance = turned(&motion.covariance, yaw_rad) + carried;
         // The deviations of a motion are above 0.
         let information = [loose, covariance].map(|of| of.try_inverse().unwrap_or_else(Matrix3::identity));
         Prediction { pose: self.pose * motion.step, covariance, information, lead }
     }
 
-    /// The minimum of the sum near a prediction, and its value; infinite if the pose is lost, or leads to one that was `found`.
-    fn align(&mut self, prediction: &Prediction, found: Option<&Isometry2<f64>>) -> (f64, Matched) {
-        let lost = |matched| (f64::INFINITY, Matched { matched, ..prediction.lost() });
+    /// The minimum of the sum near a prediction; infinite if the pose is lost, or leads to one that was `found`.
+    fn align(&mut self, prediction: &Prediction, found: Option<&Isometry2<f64>>) -> Aligned {
+        let lost = |matched| Aligned {
+            cost: f64::INFINITY,
+            walls: f64::INFINITY,
+            matched: Matched { matched, ..prediction.lost() },
+        };
         let all = self.matching.len() as f64;
         let mut pose = prediction.pose;
         let mut walls = self.walls_at(&pose);
@@ -266,12 +372,12 @@ impl ScanMatcher {
         let matched = evidence.matched as f64 / all;
         let off = difference(&pose, &prediction.pose);
         let prior = prediction.prior(held);
-        let unmatched = all - evidence.matched as f64;
-        let from_prediction = off.dot(&(prior * off)).max(0.0);
-        let cost = evidence.cost + unmatched * (KERNEL_M / DEVIATION_M).powi(2) + from_prediction + prediction.lead;
+        let walls = self.walls(&evidence);
+        let cost = walls + off.dot(&(prior * off)).max(0.0) + prediction.lead;
         match (evidence.information + prior).try_inverse() {
             Some(covariance) if matched >= LEAST_MATCHED => {
-                (cost, Matched { pose, covariance, matched, surprise: 0.0, lost: false, held })
+                let matched = Matched { pose, covariance, matched, surprise: 0.0, lost: false, held };
+                Aligned { cost, walls, matched }
             }
             _ => lost(matched),
         }
@@ -280,7 +386,7 @@ impl ScanMatcher {
     fn walls_at(&mut self, pose: &Isometry2<f64>) -> MatchedWalls {
         const WEIGHT: f64 = 1.0 / (DEVIATION_M * DEVIATION_M);
         let mut evidence = self.matching.at(pose, &self.map, KERNEL_M);
-        let held = take_noise_off(&mut evidence);
+        let held = take_noise_off(&mut evidence, self.held_m);
         evidence.cost *= WEIGHT;
         evidence.information *= WEIGHT;
         evidence.gradient *= WEIGHT;
@@ -299,6 +405,33 @@ impl ScanMatcher {
         line_points(&revolution.points_m, 1, &mut self.line_points);
         for point in &self.line_points {
             self.map.insert(point.at(&self.pose));
+        }
+    }
+}
+
+/// How many times the variance of its motions that odometry is stated to have it has shown, by position and by heading.
+#[derive(Clone, Copy, Debug)]
+struct Earned([f64; 2]);
+
+impl Default for Earned {
+    fn default() -> Self {
+        Self([1.0; 2])
+    }
+}
+
+impl Earned {
+    fn scaled(&self, covariance: &Matrix3<f64>) -> Matrix3<f64> {
+        let [position, heading] = self.0.map(f64::sqrt);
+        let scale = Matrix3::from_diagonal(&Vector3::new(position, position, heading));
+        scale * covariance * scale
+    }
+
+    /// Takes how far a match lies off a motion with a covariance that was scaled.
+    fn add(&mut self, off: &Vector3<f64>, covariance: &Matrix3<f64>) {
+        let expected = covariance + matching_covariance();
+        let square = |at: usize| off[at] * off[at] / expected[(at, at)];
+        for (scale, times) in self.0.iter_mut().zip([0.5 * (square(0) + square(1)), square(2)]) {
+            *scale = (*scale * (1.0 + EARNED * (times.min(MOST_OF_ODOMETRY) - 1.0))).clamp(LEAST_EARNED, MOST_EARNED);
         }
     }
 }
@@ -351,7 +484,7 @@ impl Prediction {
 
 /// Takes what noise of the normals makes off the curvature and the gradient in the direction in which the walls hold the
 /// position least.
-fn take_noise_off(evidence: &mut MatchEvidence) -> Held {
+fn take_noise_off(evidence: &mut MatchEvidence, held_m: f64) -> Held {
     let all = &evidence.information;
     if evidence.matched == 0 || all[(2, 2)] <= 0.0 {
         return Held::Nowhere;
@@ -367,7 +500,7 @@ fn take_noise_off(evidence: &mut MatchEvidence) -> Held {
     evidence.information = scale * evidence.information * scale;
     evidence.gradient += along_3 * ((share - 1.0) * along_3.dot(&evidence.gradient));
     let left = share * least / (DEVIATION_M * DEVIATION_M);
-    if left > 1.0 / (HELD_M * HELD_M) { Held::Everywhere } else { Held::ButAlong(along) }
+    if left > 1.0 / (held_m * held_m) { Held::Everywhere } else { Held::ButAlong(along) }
 }
 
 /// Covariance of a motion that is predicted from the one before.

@@ -105,8 +105,8 @@ fn in_a_smooth_tunnel_the_odometry_decides_how_far_and_the_walls_where_across() 
     assert!((x - 1.02 * 19.9).abs() < 0.2, "{x}: the walls do not show how far");
     assert!(y.abs() < 0.03, "{y}");
     let [along_m, across_m] = [last.covariance[(0, 0)], last.covariance[(1, 1)]].map(f64::sqrt);
-    // The deviation of the predicted motion, 5 mm and 5 % of 0.102 m: the walls add nothing along the tunnel.
-    assert!((along_m - 0.01).abs() < 2e-4 && across_m < 0.4 * along_m, "along {along_m}, across {across_m}");
+    // That of 200 predicted motions of 10 mm each, less what they earned: the walls add nothing along the tunnel.
+    assert!((0.1..0.15).contains(&along_m) && across_m < 0.05 * along_m, "along {along_m}, across {across_m}");
 }
 
 #[test]
