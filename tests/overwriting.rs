@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::program::{run, shipped_flight};
+use crate::program::{crosscut, run, shipped_flight};
 
 /// A folder with a flight `flight.mcap` and a configuration `settings.toml`.
 fn folder() -> tempfile::TempDir {
@@ -44,6 +44,24 @@ fn the_input_is_never_overwritten() {
     // A table is a recording, too.
     std::fs::copy(folder.path().join("flight.mcap"), folder.path().join("table.csv")).expect("copied");
     refused(folder.path(), "compare @table.csv --with default --with paper --csv @table.csv");
+}
+
+#[test]
+fn what_is_read_beside_the_input_is_never_overwritten() {
+    let folder = folder();
+    std::fs::copy(folder.path().join("flight.mcap"), folder.path().join("flight.rrd")).expect("copied");
+    refused(folder.path(), "run @flight.mcap --out @metadata.yaml");
+    refused(folder.path(), "run @flight.mcap --out @flight.mcap-wal");
+    #[cfg(feature = "rerun")]
+    refused(folder.path(), "compare @flight.rrd --csv @flight-2.rrd");
+    let settings = folder.path().join("settings.toml");
+    let mut found = crosscut(["run"]);
+    found.arg(folder.path().join("flight.mcap")).arg("--out").arg(&settings).env("CROSSCUT_CONFIG", &settings);
+    let ran = found.output().expect("the program starts");
+    assert_eq!(
+        (ran.status.code(), std::fs::read_to_string(settings).expect("text").as_str()),
+        (Some(2), "[affinity]\n")
+    );
 }
 
 fn name(folder: &Path) -> &str {

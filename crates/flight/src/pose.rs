@@ -37,6 +37,9 @@ const ODOMETRY_RAD2_PER_M: f64 = 0.009 * 0.009;
 /// A turn of a standing vehicle from scan to scan is less than this: it trembles, and no error adds up.
 const TREMBLES_RAD: f64 = 0.005;
 
+/// A step of the odometry below this is none, in m and rad: equal poses differ by as much once they are interpolated.
+const MOVED: f64 = 1e-6;
+
 /// After a gap, odometry that leads across it may come so many revolutions late.
 const WAITED: u32 = 5;
 
@@ -50,6 +53,8 @@ pub struct PoseTracker {
     clock: Clock,
     /// The last odometry, and the pose of its revolution.
     odometry: Option<(Isometry2<f64>, Isometry2<f64>)>,
+    /// The odometry has moved since the first. Before that it predicts nothing: some never moves.
+    has_moved: bool,
     /// A gap in time that nothing leads across yet, and how many revolutions there were since.
     open: Option<(TimeGap, u32)>,
     pose: Isometry2<f64>,
@@ -95,6 +100,7 @@ impl PoseTracker {
             agreement: OdometryAgreement::default(),
             clock: Clock::default(),
             odometry: None,
+            has_moved: false,
             open: None,
             pose: Isometry2::identity(),
             step: Isometry2::identity(),
@@ -113,7 +119,10 @@ impl PoseTracker {
             notes.add(N090, "pose: the odometry is not finite");
         }
         let had_odometry = self.odometry.is_some() || odometry.is_some();
-        let motion = self.odometry.zip(odometry).map(|((before, there), now)| self.motion(there, before.inv_mul(&now)));
+        let step = self.odometry.zip(odometry).map(|((before, _), now)| before.inv_mul(&now));
+        let moves = |step: Isometry2<f64>| step.translation.vector.norm().max(step.rotation.angle().abs()) > MOVED;
+        self.has_moved |= step.is_some_and(moves);
+        let motion = self.odometry.zip(step).map(|((_, there), step)| self.motion(there, step));
         let mut motion = motion.filter(|_| self.kind != PoseKind::ScanMatch);
         let mut begins = false;
         if let Some(gap) = self.clock.gap(revolution.stamp_ns) {
@@ -152,7 +161,7 @@ impl PoseTracker {
             if odometry.is_none() && is_expected {
                 notes.add(N093, "pose: no odometry at this time; by the scan alone");
             }
-            let matched = self.matcher.add(revolution, motion);
+            let matched = self.matcher.add(revolution, motion.filter(|_| self.has_moved));
             let doubt = self.by_scan(&matched, motion.is_some());
             begins |= matched.lost;
             notes.extend(odd(&matched, motion.is_some()));

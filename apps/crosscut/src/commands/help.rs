@@ -73,7 +73,11 @@ const RETIRED: [(&str, &str, &str); 24] = [
     ("run", "--zenoh-config", "'zenoh://HOST/TOPIC?config=FILE.json5'"),
     ("compare", "--zenoh-config", "'zenoh://HOST/TOPIC?config=FILE.json5'"),
     ("run", "--layout", "crosscut view FLIGHT.rrd --layout PAGE"),
-    ("run", "--layer", "--save A.rrd and --save B.rrd, then crosscut view A.rrd --beside B.rrd"),
+    (
+        "run",
+        "--layer",
+        "two runs, one with --save A.rrd, one with --save B.rrd; then crosscut view A.rrd --beside B.rrd",
+    ),
     ("view", "--with", "--beside FLIGHT.mcap"),
     ("debug", "--json", "lines of commands to standard input: crosscut debug FLIGHT < COMMANDS"),
     ("simulate", "--no-odometry", "--drift none"),

@@ -15,8 +15,8 @@ const INPUT: &str = "Input";
 
 #[derive(Debug, Args)]
 pub(crate) struct RecordingsArgs {
-    /// Recordings (MCAP, ROS 1 bag, rosbag2 .db3, CARMEN log, CSV, PCD, PLY) or folders of them, or one made with `run --save`
-    /// (.rrd); `-` is standard input. The wheel's `run` and `compare` (extras live, dds) hear robots, too:
+    /// Recordings (MCAP, ROS 1 bag, rosbag2 .db3, CARMEN log, CSV, PCD, PLY) or folders of them or, but for `info` and
+    /// `convert`, one made with `run --save` (.rrd); `-` is standard input. The wheel's `run` and `compare` (extras live, dds) hear robots, too:
     /// zenoh://HOST[:PORT]/TOPIC[?domain=N][&config=FILE.json5] and ros2://DOMAIN/TOPIC.
     #[arg(required = true, display_order = 0, help_heading = INPUT)]
     pub(crate) input: Vec<PathBuf>,

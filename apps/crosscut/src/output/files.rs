@@ -10,6 +10,7 @@ use anyhow::Context;
 use crosscut_outfile::{Growing, Keep, Replaced};
 
 use crate::exit::UsageError;
+use crate::input::config;
 use crate::interrupt::while_opening;
 
 /// Opens an output that grows, or standard output for `-`. Refuses one of the files `read` and a file that another run
@@ -91,16 +92,36 @@ fn is_closed() -> bool {
     is_null && flags.is_some_and(|flags| flags & ACCESS == READ_AND_WRITE)
 }
 
-/// Refuses an output that is one of the files `read`, or the same file as another output.
+/// Refuses an output that is one of the files `read` or belongs to one, the file of settings that was found, or the same file as
+/// another output.
 pub(crate) fn refuse(outputs: &[&Path], read: &[PathBuf]) -> Result<(), UsageError> {
+    let settings = config::found();
     for (i, output) in outputs.iter().enumerate() {
         // `-` reads standard input and writes standard output.
-        let is_read = *output != Path::new("-") && read.iter().any(|read| is_same_file(read, output));
-        if is_read || outputs[..i].iter().any(|other| is_same_file(other, output)) {
+        let is_input = |read: &PathBuf| is_same_file(read, output) || belongs_to(output, read);
+        if *output != Path::new("-") && read.iter().chain(&settings).any(is_input) {
             return Err(UsageError(format!("{} would be overwritten; write to another file", output.display())));
+        }
+        if outputs[..i].iter().any(|other| is_same_file(other, output)) {
+            return Err(UsageError(format!(
+                "{} would be overwritten by another output; write to two files",
+                output.display()
+            )));
         }
     }
     Ok(())
+}
+
+/// Whether a file is read with the input `read` beside it: a later part of a recording, or the description and the log of a
+/// rosbag2.
+fn belongs_to(file: &Path, read: &Path) -> bool {
+    let (Some((folder, name)), Some((of, input))) = (place(file), place(read)) else { return false };
+    #[cfg(feature = "rerun")]
+    if folder == of && crosscut_rrd::parts::part_number(read, name).is_some() {
+        return true;
+    }
+    let is_log = name.to_str().and_then(|name| name.strip_suffix("-wal")) == input.to_str();
+    folder == of && (is_log || name == "metadata.yaml")
 }
 
 /// Refuses a recording if one of its later parts (FLIGHT-2.rrd...) would replace one of the `others`.

@@ -58,6 +58,8 @@ fn seeds(text: &str) -> Result<RangeInclusive<u64>, String> {
     let (first, last) = text.split_once("..").unwrap_or((text, text));
     match (first.parse(), last.parse()) {
         (Ok(first), Ok(last)) if first <= last && last - first < MOST_SEEDS => Ok(first..=last),
-        _ => Err(format!("a whole number from 0 on, or FIRST..LAST of at most {MOST_SEEDS}")),
+        _ => Err(format!(
+            "a whole number from 0 on, or FIRST..LAST of at most {MOST_SEEDS} seeds, the first not above the last"
+        )),
     }
 }
