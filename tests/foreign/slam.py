@@ -170,7 +170,7 @@ def main():
     parser.add_argument("--crosscut", type=Path, default=Path("target/release/crosscut"))
     parser.add_argument("--work", type=Path, default=Path("target/foreign/slam"))
     parser.add_argument("--set", action="append", default=[])
-    args = parser.parse_args()
+    args = parser.parse_intermixed_args()
     args.work.mkdir(parents=True, exist_ok=True)
     corrected = {p.name[: -len(e)]: p for p in sorted(args.folder.iterdir()) for e in ENDINGS if p.name.endswith(e)}
     raw = {p.name[: -len(".raw.clf")]: p for p in sorted(args.folder.glob("*.raw.clf"))}
