@@ -134,7 +134,7 @@ def of_relations(path: Path, log: Log, found: np.ndarray) -> str:
 
 
 def measured(crosscut: Path, log: Log, *settings: str) -> list[dict]:
-    command = [crosscut, "run", log.path, "--quiet", "--results", "-", *settings]
+    command = [crosscut, "run", log.path, "--quiet", "--out", "-", *settings]
     done = subprocess.run(list(map(str, command)), stdin=subprocess.DEVNULL, capture_output=True)
     if done.returncode not in (0, 3):
         sys.exit(f"{log.path}: {done.stderr.decode()}")

@@ -361,7 +361,7 @@ fn is_echo(cells: &[String]) -> bool {
 fn bare_pattern(rows: &[Vec<f64>]) -> &'static str {
     let column = |column: usize| rows.iter().map(move |row| row.get(column).copied().unwrap_or(f64::NAN));
     let are_epochs = |of: usize| column(of).all(|number| EPOCHS.contains(&number));
-    let rises = |of: usize| column(of).is_sorted() && column(of).next() < column(of).last();
+    let rises = |of: usize| column(of).is_sorted() && column(of).next() < column(of).next_back();
     let is_whole = |of: usize| column(of).all(|number| number.fract() == 0.0);
     let [first, second] = [0, 1].map(|row: usize| rows.get(row).map_or(f64::NAN, |row| row[0]));
     if are_epochs(0) && !are_epochs(2) {
