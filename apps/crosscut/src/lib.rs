@@ -58,7 +58,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry, host: 
         Ok(cli) => cli.command,
         Err(refused) => {
             refused.print().ok(); // help, or what is wrong; a closed pipe changes no exit code
-            retired.iter().for_each(|instead| say(instead));
+            retired.iter().for_each(say);
             return if refused.use_stderr() { exit::WRONG_USAGE } else { exit::Outcome::Done.into() };
         }
     };

@@ -163,13 +163,17 @@ fn log(path: &str) -> Result<Vec<Taken>, Box<dyn Error>> {
         }
         let count: usize = words.next().ok_or("no count")?.parse()?;
         let numbers = words.take(count + 7).map(str::parse).collect::<Result<Vec<f64>, _>>()?;
-        let mut scan = LaserScan::default();
-        scan.ranges = numbers[..count].iter().map(|range_m| *range_m as f32).collect();
         let steps = if count.is_multiple_of(2) { count } else { count - 1 };
-        scan.angle_min = -std::f32::consts::FRAC_PI_2;
-        scan.angle_increment = std::f32::consts::PI / steps as f32;
-        scan.angle_max = scan.angle_min + (count - 1) as f32 * scan.angle_increment;
-        scan.range_max = 81.0;
+        let angle_min = -std::f32::consts::FRAC_PI_2;
+        let angle_increment = std::f32::consts::PI / steps as f32;
+        let mut scan = LaserScan {
+            ranges: numbers[..count].iter().map(|range_m| *range_m as f32).collect(),
+            angle_min,
+            angle_increment,
+            angle_max: angle_min + (count - 1) as f32 * angle_increment,
+            range_max: 81.0,
+            ..LaserScan::default()
+        };
         scan.header.stamp = crosscut_messages::Time::from_ns((numbers[count + 6] * 1e9) as u64);
         let pose = |at: usize| Isometry2::new(Vector2::new(numbers[at], numbers[at + 1]), numbers[at + 2]);
         taken.push(Taken { scan, pose: pose(count), odometry: Some(pose(count + 3)) });
@@ -188,22 +192,6 @@ fn follow(taken: &[Taken]) -> Flown {
         let start = Instant::now();
         let tracked = tracker.add(&revolution, &mut Notes::default());
         ns += start.elapsed().as_nanos();
-        if std::env::var_os("DUMP").is_some() {
-            if let (Some(t), Some(o)) = (tracked, of.odometry) {
-                println!(
-                    "P {} {:.3} {:.3} {:.4} {:.3} {:.3} {:.4} {} {}",
-                    of.scan.header.stamp.sec,
-                    t.pose.translation.x,
-                    t.pose.translation.y,
-                    t.pose.rotation.angle(),
-                    o.translation.x,
-                    o.translation.y,
-                    o.rotation.angle(),
-                    of.pose.translation.x,
-                    of.pose.translation.y
-                );
-            }
-        }
         let place_m =
             tracked.map_or_else(|| found.last().copied().unwrap_or_default(), |of| of.pose.translation.vector);
         let sd_m = tracked.and_then(|of| of.doubt.from_start_sd_m(Point2::from(place_m)));

@@ -223,11 +223,11 @@ mod tests {
     fn the_definition_has_every_field_that_a_scene_is_written_with() {
         let FileDescriptorSet { file } = FileDescriptorSet::decode(Scene::schema()).expect("descriptors");
         let [time, scene] = &file[..] else { panic!("two files: {file:?}") };
-        assert_eq!([time, scene].map(|file| file.package()), ["google.protobuf", "foxglove"]);
+        assert_eq!([time, scene].map(prost_types::FileDescriptorProto::package), ["google.protobuf", "foxglove"]);
         assert_eq!(scene.dependency, [time.name()]);
         let numbers = |name: &str| -> Vec<i32> {
             let message = scene.message_type.iter().find(|message| message.name() == name).expect("it is defined");
-            message.field.iter().map(|field| field.number()).collect()
+            message.field.iter().map(prost_types::FieldDescriptorProto::number).collect()
         };
         // The tags of the messages of this file.
         assert_eq!(numbers("SceneUpdate"), [2]);

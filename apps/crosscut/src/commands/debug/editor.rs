@@ -35,7 +35,7 @@ pub(super) fn answer_all(debugger: &mut Debugger) -> anyhow::Result<()> {
             return Ok(());
         }
         match debugger.command(&words) {
-            Ok(reply) => show(format_args!("{}\n", reply))?,
+            Ok(reply) => show(format_args!("{reply}\n"))?,
             Err(error) => say(format_args!("error: {error}")),
         }
     }

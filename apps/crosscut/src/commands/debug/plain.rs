@@ -21,7 +21,7 @@ pub(super) fn answer_all(debugger: &mut Debugger, lines: impl BufRead) -> anyhow
             break;
         }
         match debugger.command(&words) {
-            Ok(reply) => show(format_args!("{}\n", reply))?,
+            Ok(reply) => show(format_args!("{reply}\n"))?,
             Err(error) => {
                 refused += 1;
                 say(format_args!("error: {error}"));
