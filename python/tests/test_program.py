@@ -76,7 +76,8 @@ def test_what_a_stage_prints_is_no_line_of_results(tee: Path, tmp_path: Path) ->
     (tmp_path / "mine.py").write_text(stage)
     done = run("run", tee, "--set", "affinity.kind=python:mine.w", "--preset", "paper", "--every", 70, "-o", "-", cwd=tmp_path)
     assert [json.loads(line)["seq"] for line in done.stdout.splitlines()] == [0, 70, 140], done.stderr
-    assert "read\n" in done.stderr and done.stderr.count("called\n") >= 3
+    # Python writes a text and the end of its line apart: lines of two workers may lie in one another.
+    assert "read\n" in done.stderr and done.stderr.count("called") >= 3
 
 
 def test_files_and_their_names_run_no_code(tee: Path, tmp_path: Path) -> None:
