@@ -169,11 +169,25 @@ impl Weights {
 }
 
 /// A sparse matrix in compressed rows, for W a square one; columns ascend within a row.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug, PartialEq)]
 pub struct Csr {
     row_start: Vec<usize>,
     columns: Vec<u32>,
     values: Vec<f64>,
+}
+
+impl Clone for Csr {
+    fn clone(&self) -> Self {
+        let Self { row_start, columns, values } = self;
+        Self { row_start: row_start.clone(), columns: columns.clone(), values: values.clone() }
+    }
+
+    /// Keeps the buffers.
+    fn clone_from(&mut self, other: &Self) {
+        self.row_start.clone_from(&other.row_start);
+        self.columns.clone_from(&other.columns);
+        self.values.clone_from(&other.values);
+    }
 }
 
 impl Default for Csr {
