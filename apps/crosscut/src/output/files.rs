@@ -116,27 +116,29 @@ pub(crate) fn refuse(outputs: &[&Path], read: &[PathBuf]) -> Result<(), UsageErr
 /// rosbag2.
 fn belongs_to(file: &Path, read: &Path) -> bool {
     let (Some((folder, name)), Some((of, input))) = (place(file), place(read)) else { return false };
-    #[cfg(feature = "rerun")]
-    if folder == of && crosscut_rrd::parts::part_number(read, name).is_some() {
-        return true;
-    }
     let is_log = name.to_str().and_then(|name| name.strip_suffix("-wal")) == input.to_str();
-    folder == of && (is_log || name == "metadata.yaml")
+    folder == of && (is_log || name == "metadata.yaml" || is_later_part(name, read))
 }
 
-/// Refuses a recording if one of its later parts (FLIGHT-2.rrd...) would replace one of the `others`.
+/// Whether a file of this name is a later part (FLIGHT-2.rrd...) of a recording beside it.
 #[cfg(feature = "rerun")]
-pub(crate) fn refuse_parts<'a>(recording: &Path, others: impl IntoIterator<Item = &'a Path>) -> Result<(), UsageError> {
-    use crosscut_rrd::parts::part_number;
+fn is_later_part(name: &OsStr, recording: &Path) -> bool {
+    crosscut_rrd::parts::part_number(recording, name).is_some()
+}
 
+#[cfg(not(feature = "rerun"))]
+fn is_later_part(_: &OsStr, _: &Path) -> bool {
+    false
+}
+
+/// Refuses a recording if one of its later parts would replace one of the `others`.
+pub(crate) fn refuse_parts<'a>(recording: &Path, others: impl IntoIterator<Item = &'a Path>) -> Result<(), UsageError> {
     let Some((folder, _)) = place(recording) else { return Ok(()) };
     // An existing file with the name of a part may be a link to one of the others.
     let files = std::fs::read_dir(&folder).into_iter().flatten().flatten().map(|file| file.file_name());
-    let parts: Vec<_> =
-        files.filter(|name| part_number(recording, name).is_some()).map(|name| folder.join(name)).collect();
+    let parts: Vec<_> = files.filter(|name| is_later_part(name, recording)).map(|name| folder.join(name)).collect();
     for other in others {
-        let would_be_part =
-            place(other).is_some_and(|(of, name)| of == folder && part_number(recording, name).is_some());
+        let would_be_part = place(other).is_some_and(|(of, name)| of == folder && is_later_part(name, recording));
         if would_be_part || parts.iter().any(|part| is_same_file(part, other)) {
             let (other, recording) = (other.display(), recording.display());
             return Err(UsageError(format!(
@@ -144,11 +146,6 @@ pub(crate) fn refuse_parts<'a>(recording: &Path, others: impl IntoIterator<Item 
             )));
         }
     }
-    Ok(())
-}
-
-#[cfg(not(feature = "rerun"))]
-pub(crate) fn refuse_parts<'a>(_: &Path, _: impl IntoIterator<Item = &'a Path>) -> Result<(), UsageError> {
     Ok(())
 }
 

@@ -11,7 +11,7 @@ use super::args::RrdGetArgs;
 use super::exact::{self, Recomputation};
 use super::output::Output;
 use super::selection::Selection;
-use super::{open, say_damages};
+use super::{entity_path, open, say_damages};
 use crate::exit::{Outcome, UsageError};
 use crate::input::refuse_empty_span;
 use crate::output::{files, say};
@@ -24,7 +24,7 @@ pub(super) fn get(args: &RrdGetArgs, registry: &Registry) -> anyhow::Result<Outc
     let recording = open(&args.recording, args.id.as_deref())?;
     let selection = Selection::new(args, &recording)?;
     let (entity, component) = args.entity.split_once(':').map_or((&*args.entity, None), |(of, name)| (of, Some(name)));
-    let entity = format!("/{}", entity.trim_start_matches('/'));
+    let entity = entity_path(entity);
     let (output, lost) = if args.exact {
         if let Some(component) = component {
             return Err(UsageError(format!("--exact recomputes the numbers of {entity}; leave out {component}")).into());

@@ -7,7 +7,7 @@ use crosscut_evaluate::tables::Table;
 use crosscut_rrd::{ReadError, RecordedEntity, Recording};
 
 use super::args::RrdLsArgs;
-use super::{open, say_damages};
+use super::{entity_path, open, say_damages};
 use crate::exit::{Outcome, UsageError};
 use crate::output::typeset::plain;
 
@@ -39,7 +39,7 @@ pub(super) fn ls(args: &RrdLsArgs) -> anyhow::Result<Outcome> {
 
 /// The path of the entity that was asked for, if one was.
 fn path_of(args: &RrdLsArgs) -> Option<String> {
-    args.entity.as_ref().map(|entity| format!("/{}", entity.trim_start_matches('/')))
+    args.entity.as_deref().map(entity_path)
 }
 
 fn list(args: &RrdLsArgs, recording: &Recording) -> anyhow::Result<Outcome> {

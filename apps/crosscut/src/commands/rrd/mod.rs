@@ -38,6 +38,11 @@ fn open(path: &Path, id: Option<&str>) -> anyhow::Result<Recording> {
     })
 }
 
+/// The path of an entity, which may be typed without its first slash.
+fn entity_path(typed: &str) -> String {
+    format!("/{}", typed.trim_start_matches('/'))
+}
+
 /// Reports what a recording lacks.
 fn say_damages(recording: &Recording) -> Outcome {
     for damage in recording.damages() {
