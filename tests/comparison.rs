@@ -56,6 +56,18 @@ fn a_configuration_against_itself_differs_nowhere() {
 }
 
 #[test]
+fn a_flight_that_is_given_twice_counts_once() {
+    let flight = shipped_flight().display().to_string();
+    let twice = run(["compare", &flight, &flight, "--with", "default", "--json", "-"]).expect_code(0);
+    let once = run(["compare", &flight, "--with", "default", "--json", "-"]).expect_code(0);
+    assert!(twice.stderr.contains("was given twice and counts once"), "{}", twice.stderr);
+    let figures = |ran: &Ran| {
+        serde_json::from_str::<Value>(&ran.stdout).expect("JSON")["all"][0]["figures"]["revolutions"].clone()
+    };
+    assert_eq!(figures(&twice), figures(&once));
+}
+
+#[test]
 fn a_scan_left_out_shifts_no_answer() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut scans: Vec<_> = (0..12).map(tunnel_scan).collect();

@@ -65,6 +65,9 @@ fn what_was_typed_before_is_answered_with_what_to_type_now() {
         let said = run(command.split(' ')).expect_code(2).stderr;
         assert!(said.contains(instead), "{command}: {said}");
     }
+    let flight = shipped_flight().display().to_string();
+    let said = run([&flight]).expect_code(2).stderr;
+    assert!(said.contains(&format!("is a file; type: crosscut run {flight}")), "{said}");
     let said = run(["view", "x.rrd", "--layout", "sped"]).expect_code(2).stderr;
     assert!(!said.contains("no longer"), "an option that there is: {said}");
 }
@@ -136,6 +139,30 @@ fn crosscut_toml_applies_below_its_folder_and_above_the_preset() {
     let mut command = crosscut(["info", shipped_flight().to_str().expect("UTF-8")]);
     let ran = Ran::from(command.current_dir(&below).output().expect("the program starts")).expect_code(0);
     assert!(ran.stderr.contains(&format!("settings of {}", found.display())), "{}", ran.stderr);
+}
+
+#[test]
+#[cfg(unix)]
+fn settings_that_anybody_may_write_are_not_taken_and_limits_are_not_raised_unasked() {
+    use std::os::unix::fs::PermissionsExt as _;
+
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let flight = shipped_flight();
+    let info = |more: &[&str]| {
+        let mut command = crosscut([&["info", flight.to_str().expect("UTF-8")][..], more].concat());
+        Ran::from(command.current_dir(folder.path()).env_remove("CROSSCUT_CONFIG").output().expect("it starts"))
+    };
+    let found = crate::flight::file(folder.path(), "crosscut.toml", b"[vehicle]\nwidth_m = -1\n");
+    std::fs::set_permissions(&found, std::fs::Permissions::from_mode(0o666)).expect("ours");
+    let said = info(&[]).expect_code(0).stderr;
+    assert!(said.contains("not taken; --config"), "{said}");
+    assert!(info(&["--config", "crosscut.toml"]).expect_code(2).stderr.contains("width_m"));
+    std::fs::set_permissions(&found, std::fs::Permissions::from_mode(0o644)).expect("ours");
+    assert!(info(&[]).expect_code(2).stderr.contains("width_m"));
+    std::fs::write(&found, "[pipeline]\nmemory_mb = 8192\n").expect("ours");
+    assert!(info(&[]).expect_code(2).stderr.contains("at most 4096 in a file that is found"));
+    std::fs::write(&found, "[pipeline]\nmemory_mb = 1024\n").expect("ours");
+    info(&[]).expect_code(0);
 }
 
 #[test]

@@ -135,6 +135,50 @@ fn refusals_leave_the_session_as_it_was() {
 }
 
 #[test]
+fn a_line_that_is_no_text_or_has_no_end_is_refused_alone() {
+    let long = vec![b'x'; 1 << 20];
+    let lines = [&b"seek 3\n\xff\n"[..], &long, b"\nseek 4\n", &long].concat();
+    let mut running = crosscut(["debug".as_ref(), shipped_flight().as_os_str()]);
+    let running = running.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut running = running.spawn().expect("it starts");
+    running.stdin.take().expect("a pipe").write_all(&lines).expect("it reads");
+    let ran = Ran::from(running.wait_with_output().expect("it ends")).expect_code(1);
+    assert!(ran.stdout.contains("3 at 0.30 s") && ran.stdout.contains("4 at 0.40 s"), "{}", ran.stdout);
+    assert!(ran.stderr.contains("no UTF-8 text"), "{}", ran.stderr);
+    assert_eq!(ran.stderr.matches("a line of more than 65536 bytes").count(), 2, "{}", ran.stderr);
+}
+
+#[test]
+fn labels_that_name_more_clusters_than_returns_are_refused() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("labels.npy").display().to_string();
+    answers(&[], &[&format!("get labels {path}")]);
+    for wrong in [4e9, 1e18, f64::NAN, f64::INFINITY, 0.5] {
+        let mut file = std::fs::read(&path).expect("written");
+        file[192..200].copy_from_slice(&f64::to_le_bytes(wrong));
+        std::fs::write(&path, file).expect("a file");
+        let found = answers(&[], &[&format!("inject labels {path}")]);
+        let refused = found[0].as_ref().is_err_and(|text| text.contains("is no cluster of"));
+        assert!(refused, "{wrong}: {found:?}");
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn an_array_that_cannot_be_written_leaves_the_one_that_was_there() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("w.npy");
+    std::fs::write(&path, b"whole").expect("a file");
+    // No file of more than a block may be written.
+    let script = format!("printf 'get W {}\\n' | (ulimit -f 1; \"$0\" debug \"$1\")", path.display());
+    let mut shell = std::process::Command::new("bash");
+    shell.args(["-c", &script]).arg(crosscut([""; 0]).get_program()).arg(shipped_flight());
+    let ran = Ran::from(shell.output().expect("it starts"));
+    assert_ne!(ran.code, Some(0), "{}", ran.stdout);
+    assert_eq!(std::fs::read(&path).expect("the file"), b"whole");
+}
+
+#[test]
 fn a_stage_that_fails_is_told_and_the_next_setting_mends_it() {
     let commands = ["set pipeline.memory_mb=1", "again", "next fails", "unset all", "again"];
     let found = answers(&["--preset", "paper"], &commands);

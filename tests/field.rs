@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde_json::Value;
 
-use crate::program::{results_of, root};
+use crate::program::{Ran, crosscut, results_of, root};
 
 /// A case; a note is printed where it is absent.
 fn case(name: &str) -> Option<PathBuf> {
@@ -31,6 +31,22 @@ fn odometry_that_never_moves_is_not_believed() {
         let (_, lines) = results_of(&path, &[]);
         let end_m = lines.last().and_then(|line| line["pose"]["x_m"].as_f64()).expect("a pose");
         assert!((end_m - 99.75).abs() < 1.5, "{name}: {end_m} m");
+    }
+}
+
+#[test]
+fn an_altered_recording_of_ours_is_told_and_takes_no_memory() {
+    for name in ["missing", "step"] {
+        let Some(path) = case(&format!("B11-rrd-forged-sweep/{name}.rrd")) else { return };
+        for command in ["run", "report", "debug"] {
+            let folder = tempfile::tempdir().expect("a temporary folder");
+            let mut altered = crosscut([command.as_ref(), path.as_os_str()]);
+            let out = folder.path().join("out.html");
+            let altered = if command == "report" { altered.arg("-o").arg(out) } else { &mut altered };
+            let ran = Ran::from(altered.stdin(std::process::Stdio::null()).output().expect("it starts"));
+            assert!(ran.stderr.contains("this is no scan"), "{command} {name}: {}", ran.stderr);
+            assert!(matches!(ran.code, Some(1 | 3)), "{command} {name}: {:?}", ran.code);
+        }
     }
 }
 

@@ -236,6 +236,23 @@ fn a_killed_run_leaves_the_map_up_to_then() {
 
 #[test]
 #[cfg(unix)]
+fn a_killed_run_of_a_file_leaves_the_map_that_was_there() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let flight = file(folder.path(), "flight.mcap", &tunnel(3000, &Writing::default()));
+    let (map, lines) = (file(folder.path(), "map.json", b"whole"), folder.path().join("lines.jsonl"));
+    let slowly = ["--preset", "paper", "--set", "spectral.kind=faer"];
+    let mut command = crosscut(["run".as_ref(), flight.as_os_str(), "--map".as_ref(), map.as_os_str()]);
+    let mut child = command.args(slowly).arg("-o").arg(&lines).stderr(Stdio::null()).spawn().expect("it starts");
+    await_or_panic(|| lines.metadata().is_ok_and(|file| file.len() > 0));
+    std::thread::sleep(Duration::from_millis(1500));
+    assert_eq!(child.try_wait().expect("a child"), None, "it is at work");
+    signal(&child, "KILL");
+    child.wait().expect("it ends");
+    assert_eq!(std::fs::read(&map).expect("the old map"), b"whole");
+}
+
+#[test]
+#[cfg(unix)]
 fn a_killed_run_loses_at_most_a_second_of_an_mcap() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let flight = file(folder.path(), "flight.mcap", &tunnel(100, &Writing::default()));

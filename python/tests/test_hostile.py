@@ -135,6 +135,22 @@ def test_a_fork_amid_process_many_is_refused_in_the_child() -> None:
     assert done.stdout.splitlines()[-1] == "7 199"
 
 
+UNREAD = """
+import sys, numpy as np, crosscut
+scan = crosscut.Scan(np.full(360, 2.0), -np.pi, np.pi / 180)
+def w(points): return np.exp(-1.5 * ((points[:, None] - points) ** 2).sum(axis=2))
+results = crosscut.Engine("paper", affinity=w).process_many([scan] * 5000, workers=2)
+print(next(results).junctions, flush=True)
+sys.exit(3)
+"""
+
+
+def test_a_script_that_is_over_ends_the_threads_whose_results_nobody_reads() -> None:
+    for _ in range(6):
+        done = subprocess.run([sys.executable, "-c", UNREAD], capture_output=True, text=True, timeout=60)
+        assert (done.returncode, done.stderr) == (3, ""), done.stdout
+
+
 DOCUMENTED = (TypeError, ValueError, crosscut.Error)
 
 ODD: list[Any] = [

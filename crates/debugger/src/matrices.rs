@@ -1,7 +1,6 @@
 //! Arrays of the present revolution, for NumPy and for pictures.
 
-use std::fs::File;
-use std::io::{BufWriter, Write as _};
+use std::path::Path;
 
 use crosscut_spectral::Laplacian;
 use crosscut_stage::Frame;
@@ -17,12 +16,8 @@ impl Session {
             return Err(Refused::Failed(crate::session::answer_in_words(self.frame())));
         }
         let array = array(self.frame(), what)?;
-        let write = || -> std::io::Result<()> {
-            let mut out = BufWriter::new(File::create(path)?);
-            array.write(&mut out)?;
-            out.flush()
-        };
-        write().map_err(|error| Refused::Failed(format!("{error}, in {path}")))?;
+        let written = crosscut_outfile::write(Path::new(path), array.to_bytes());
+        written.map_err(|error| Refused::Failed(format!("{error}, in {path}")))?;
         let shape: Vec<String> = array.shape.iter().map(ToString::to_string).collect();
         Ok(format!("{what}, {}, in {path}", shape.join("x")))
     }

@@ -3,7 +3,7 @@
 //! Own code, because the crates for it bring a parser of Python literals and a compiled assembly file for one line of
 //! text. The cross-checks read these files with NumPy.
 
-use std::io::{self, Read, Write};
+use std::io::{self, Read};
 
 /// Length of the header, padded with spaces: room for any shape, which may be known last.
 pub const HEADER_BYTES: usize = 192;
@@ -32,20 +32,18 @@ pub fn header(descr: &str, shape: &[usize]) -> Vec<u8> {
 }
 
 impl NpyArray {
-    /// Writes it as numbers of type `<f8`.
-    ///
-    /// # Errors
-    /// When `out` cannot be written.
-    pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
-        out.write_all(&header("<f8", &self.shape))?;
-        self.values.iter().try_for_each(|x| out.write_all(&x.to_le_bytes()))
+    /// A file of numbers of type `<f8`.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut file = header("<f8", &self.shape);
+        file.extend(self.values.iter().flat_map(|x| x.to_le_bytes()));
+        file
     }
 
-    /// Reads an array of whole or floating-point numbers in any byte order, by rows or by columns.
+    /// Reads an array of at most `most` whole or floating-point numbers in any byte order, by rows or by columns.
     ///
     /// # Errors
-    /// When it is not such a file, or cut off.
-    pub fn read(from: &mut impl Read) -> Result<Self, String> {
+    /// When it is not such a file, cut off, or larger.
+    pub fn read(from: &mut impl Read, most: usize) -> Result<Self, String> {
         let cut_off = |error: io::Error| format!("the file is cut off: {error}");
         let mut magic = [0; 8];
         from.read_exact(&mut magic).map_err(cut_off)?;
@@ -70,7 +68,8 @@ impl NpyArray {
 
         let (decode, bytes) = decoder(descr).ok_or_else(|| format!("numbers of type {descr}; save float64"))?;
         let count = shape.iter().try_fold(1_usize, |all, &size| all.checked_mul(size));
-        let count = count.filter(|count| count.checked_mul(bytes).is_some()).ok_or_else(unknown)?;
+        let count = count.filter(|&count| count <= most);
+        let count = count.ok_or_else(|| format!("its shape {shape:?} has more than the {most} numbers that fit"))?;
         let mut data = Vec::new();
         from.take((count * bytes) as u64 + 1).read_to_end(&mut data).map_err(cut_off)?;
         if data.len() != count * bytes {
@@ -134,28 +133,28 @@ mod tests {
         for shape in [vec![], vec![3], vec![2, 3], vec![0, 4]] {
             let count = shape.iter().product();
             let array = NpyArray { values: (0..count).map(|i| i as f64 / 3.0).collect(), shape };
-            let mut file = Vec::new();
-            array.write(&mut file).expect("memory");
-            assert_eq!(NpyArray::read(&mut &file[..]), Ok(array));
+            assert_eq!(NpyArray::read(&mut &array.to_bytes()[..], 6), Ok(array));
         }
     }
 
     #[test]
     fn columns_and_other_types_are_read_as_rows_of_numbers() {
         let bytes: Vec<u8> = [1_i32, 2, 3, 4, 5, 6].iter().flat_map(|i| i.to_le_bytes()).collect();
-        let read = |file: Vec<u8>| NpyArray::read(&mut &file[..]).map(|array| array.values);
+        let read = |file: Vec<u8>| NpyArray::read(&mut &file[..], 6).map(|array| array.values);
         assert_eq!(read(file("<i4", true, "(2, 3)", &bytes)), Ok(vec![1.0, 3.0, 5.0, 2.0, 4.0, 6.0]));
         assert_eq!(read(file("<i4", false, "(6,)", &bytes)), Ok(vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0]));
     }
 
     #[test]
     fn what_is_no_such_file_is_refused_in_words() {
-        let refused = |file: &[u8]| NpyArray::read(&mut &*file).expect_err("refused");
+        let refused = |file: &[u8]| NpyArray::read(&mut &*file, 4).expect_err("refused");
         assert!(refused(b"PK\x03\x04aaaaaaa").contains("numpy.save"));
         assert!(refused(&file("<f8", false, "(2, 2)", &[0; 24])).contains("fewer"));
         assert!(refused(&file("<f8", false, "(2,)", &[0; 24])).contains("more"));
         assert!(refused(&file("<c16", false, "(1,)", &[0; 16])).contains("<c16"));
         assert!(refused(&file("<f8", false, "(99999999999999999999,)", &[])).contains("not understood"));
+        assert!(refused(&file("<f8", false, "(5,)", &[0; 40])).contains("more than the 4 numbers"));
+        assert!(refused(&file("<f8", false, "(4294967296, 4294967296)", &[])).contains("more than"));
     }
 
     #[test]

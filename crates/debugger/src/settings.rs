@@ -22,11 +22,11 @@ enum Array {
 fn array_in(what: &str, path: &str, n: usize) -> Result<Array, Refused> {
     let cannot = |error: String| Refused::Failed(format!("{error}, in {path}"));
     let array = File::open(path).map_err(|error| error.to_string());
-    let array = array.and_then(|mut file| NpyArray::read(&mut file)).map_err(cannot)?;
+    let array = array.and_then(|mut file| NpyArray::read(&mut file, n * n)).map_err(cannot)?;
     match (what, &array.shape[..]) {
         ("W", &[rows, columns]) if rows == n && columns == n => affinity(&array).map(Array::W).map_err(cannot),
         ("U", &[rows, columns]) if rows == n => Ok(Array::U(matrix(&array, rows, columns))),
-        ("labels", &[rows]) if rows == n => Ok(Array::Labels(array.values.iter().map(|&label| label as i64).collect())),
+        ("labels", &[rows]) if rows == n => labels(&array).map(Array::Labels).map_err(cannot),
         ("W" | "U" | "labels", shape) => {
             let fits = if what == "W" { format!("{n}x{n}") } else { counted(n as u64, "row") };
             Err(cannot(format!("the shape {shape:?} does not fit: {what} of this revolution has {fits}")))
@@ -143,6 +143,17 @@ impl Session {
 
 fn matrix(array: &NpyArray, rows: usize, columns: usize) -> Mat<f64> {
     Mat::from_fn(rows, columns, |i, j| array.values[i * columns + j])
+}
+
+/// The cluster of each return, below their number; negative: none.
+fn labels(array: &NpyArray) -> Result<Vec<i64>, String> {
+    let n = array.values.len();
+    let wrong = array.values.iter().position(|&label| label.fract() != 0.0 || label >= n as f64);
+    wrong.map_or(Ok(()), |at| {
+        let label = array.values[at];
+        Err(format!("labels[{at}] = {label} is no cluster of {n} returns: 0 to {}, or -1 for none", n - 1))
+    })?;
+    Ok(array.values.iter().map(|&label| label as i64).collect())
 }
 
 /// W, unless it is none: stages rely on its symmetry and signs.

@@ -94,7 +94,13 @@ impl Revolutions<'_> {
             scan.notes.extend(lines.lines().map(coded));
         }
         scan.truth = self.truth.only_at(at)?.and_then(text).map(str::to_owned);
-        Ok(scan)
+        match scan.revolution.fault() {
+            Some(fault) => {
+                let (entity, cause) = (schema::SCAN_SWEEP.path.to_owned(), format!("this is no scan: {fault}"));
+                Err(ReadError::NotAValue { entity, component: format!("revolution {at}"), cause })
+            }
+            None => Ok(scan),
+        }
     }
 
     /// The beams; `None` of returns without beams.

@@ -123,6 +123,34 @@ impl Revolution {
         self.points_m.is_empty()
     }
 
+    /// What is wrong with a revolution that was not made from a message, such as one of a file that somebody altered, in words:
+    /// numbers that are none, beams and returns that do not go with each other, more beams than a turn has.
+    pub fn fault(&self) -> Option<String> {
+        const LEAST_STEP_RAD: f64 = 1e-7;
+        let n = self.len();
+        if let Some(at) = self.points_m.iter().position(|point| !point.coords.iter().all(|x| x.is_finite())) {
+            return Some(format!("return {at} lies nowhere"));
+        }
+        if let Some(entry) = self.entries.iter().find(|&&entry| entry >= n as i32) {
+            return Some(format!("an entry is of return {entry} of {n}"));
+        }
+        let sweep = self.sweep.as_ref().filter(|sweep| !sweep.is_empty())?;
+        let (beams, ranges, bearings) = (sweep.beams.len(), sweep.ranges_m.len(), sweep.bearings_rad.len());
+        let is_of_no_return = |beam: &Beam| matches!(beam, Beam::Return(at) if *at as usize >= n);
+        let turn_rad = LEAST_STEP_RAD..=TAU;
+        if beams > ranges || beams > bearings {
+            Some(format!("{beams} beams with {ranges} ranges and {bearings} bearings"))
+        } else if sweep.beams.iter().any(is_of_no_return) {
+            Some(format!("more beams with a return than the {n} returns"))
+        } else if !turn_rad.contains(&sweep.step_rad) || sweep.bearings_rad.iter().any(|rad| !rad.is_finite()) {
+            Some(format!("beams that are {} rad apart", sweep.step_rad))
+        } else if sweep.missing as f64 * sweep.step_rad > TAU {
+            Some(format!("{} missing beams, {} rad apart", sweep.missing, sweep.step_rad))
+        } else {
+            None
+        }
+    }
+
     /// Makes this an empty revolution, keeping its buffers.
     pub fn clear(&mut self) {
         self.seq = 0;
@@ -335,6 +363,38 @@ mod tests {
             assert_eq!(met, [Beam::NoReturn; 32]);
             assert!(sweep(0).view().full_turn);
         }
+    }
+
+    #[test]
+    fn a_revolution_that_no_sensor_makes_is_told() {
+        let sweep = Sweep {
+            ranges_m: vec![1.0; 4],
+            bearings_rad: vec![0.0, 1.5, 3.0, -1.5],
+            beams: vec![Beam::Return(0), Beam::Return(1), Beam::NoReturn, Beam::Unknown],
+            step_rad: TAU / 4.0,
+            ..Sweep::default()
+        };
+        let points_m = vec![Point::new(1.0, 0.0, 0.0), Point::new(0.0, 1.0, 0.0)];
+        let sound = Revolution { points_m, sweep: Some(sweep), ..Revolution::default() };
+        assert_eq!(sound.fault(), None);
+        let altered = |alter: fn(&mut Revolution, &mut Sweep)| {
+            let mut revolution = sound.clone();
+            let mut sweep = revolution.sweep.take().expect("beams");
+            alter(&mut revolution, &mut sweep);
+            Revolution { sweep: Some(sweep), ..revolution }.fault()
+        };
+        assert!(altered(|_, sweep| sweep.missing = 1_000_000_000).is_some());
+        assert!(altered(|_, sweep| sweep.missing = usize::MAX).is_some());
+        for step_rad in [0.0, -1.0, 1e-300, f64::NAN, f64::INFINITY] {
+            let mut revolution = sound.clone();
+            revolution.sweep.as_mut().expect("beams").step_rad = step_rad;
+            assert!(revolution.fault().is_some(), "{step_rad}");
+        }
+        assert!(altered(|_, sweep| sweep.beams[2] = Beam::Return(2)).is_some());
+        assert!(altered(|_, sweep| sweep.bearings_rad.truncate(3)).is_some());
+        assert!(altered(|_, sweep| sweep.ranges_m.truncate(3)).is_some());
+        assert!(altered(|revolution, _| revolution.points_m[1].x = f64::NAN).is_some());
+        assert!(altered(|revolution, _| revolution.entries = vec![2]).is_some());
     }
 
     #[test]

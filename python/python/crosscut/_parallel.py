@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import atexit
 import ctypes
 import itertools
 import os
 import queue
 import threading
+import weakref
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any
@@ -33,6 +35,8 @@ class _Worker:
         self.batches: queue.SimpleQueue[tuple[list[Scan], int] | None] = queue.SimpleQueue()
         self.done: queue.SimpleQueue[tuple[list[Result], BaseException | None]] = queue.SimpleQueue()
         self.engine = engine
+        self.process_id = os.getpid()
+        _workers.add(self)
         self.thread = threading.Thread(target=self._run, name="crosscut", daemon=True)
         self.thread.start()
 
@@ -51,10 +55,34 @@ class _Worker:
             self.done.put(done)
 
     def interrupt(self) -> None:
-        """Ends the thread after its current scan, and a stage of one's own that is running there at once."""
+        """Ends the thread after its current scan, and a stage of one's own that is running there at once; of a forked process there is none."""
+        if self.process_id != os.getpid():
+            return
         self.engine.stop()
         thread = ctypes.c_ulong(self.thread.ident or 0)
         ctypes.pythonapi.PyThreadState_SetAsyncExc(thread, ctypes.py_object(SystemExit))
+
+
+_workers: weakref.WeakSet[_Worker] = weakref.WeakSet()
+"""Those whose results nobody has read to their end."""
+
+
+def _end(workers: Iterable[_Worker]) -> None:
+    """Waits for the threads of this process: one that comes back from native code while the interpreter is taken down would abort it."""
+    of_this_process = [worker for worker in workers if worker.process_id == os.getpid()]
+    for worker in of_this_process:
+        worker.batches.put(None)
+    for worker in of_this_process:
+        worker.thread.join(LONGEST_STAGE_S)
+        _workers.discard(worker)
+
+
+@atexit.register
+def _end_all() -> None:
+    """Ends what a script that is over has left unread."""
+    for worker in list(_workers):
+        worker.interrupt()
+    _end(list(_workers))
 
 
 def process(make: Callable[[], _native.Engine], most: int, scans: Iterable[Scan]) -> Iterator[Result]:
@@ -88,17 +116,11 @@ def process(make: Callable[[], _native.Engine], most: int, scans: Iterable[Scan]
             if error is not None:
                 raise error
     except BaseException:
-        if os.getpid() == process_id:
-            for worker in workers:
-                worker.interrupt()
+        for worker in workers:
+            worker.interrupt()
         raise
     finally:
-        if os.getpid() == process_id:
-            for worker in workers:
-                worker.batches.put(None)
-            # A thread of the interpreter that comes back from native code while the process ends would abort it.
-            for worker in workers:
-                worker.thread.join(LONGEST_STAGE_S)
+        _end(workers)
     if failed_source is not None:
         raise failed_source
 

@@ -1,6 +1,7 @@
 //! Two examples for each command, and what to type in place of what there was.
 
 use std::ffi::OsString;
+use std::path::Path;
 
 use clap::Command;
 
@@ -88,7 +89,8 @@ const RETIRED: [(&str, &str, &str); 24] = [
     ("rrd get", "--component", "ENTITY:COMPONENT, such as /log:TextLog:text"),
 ];
 
-/// What to type in place of the commands and options that there were, for those in `args`, of which the first is the program.
+/// What to type in place of the commands and options that there were, and of a file alone, for those in `args`, of which the
+/// first is the program.
 pub(crate) fn instead_of(args: &[OsString]) -> Vec<String> {
     let words = args.iter().skip(1).filter_map(|arg| arg.to_str());
     let words: Vec<&str> = words.skip_while(|word| *word == "help").collect();
@@ -102,7 +104,9 @@ pub(crate) fn instead_of(args: &[OsString]) -> Vec<String> {
         "" => format!("`{command}` is no longer a command; type: {instead}"),
         _ => format!("`{option}` is no longer an option; type: {instead}"),
     };
-    RETIRED.iter().filter(is_in).map(say).collect()
+    let is_file = |word: &&&str| Path::new(word).exists() && super::command().find_subcommand(word).is_none();
+    let file = words.first().filter(is_file).map(|file| format!("`{file}` is a file; type: crosscut run {file}"));
+    RETIRED.iter().filter(is_in).map(say).chain(file).collect()
 }
 
 /// What a page of help looks like: purpose, examples, usage, options.

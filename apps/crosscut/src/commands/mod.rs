@@ -118,8 +118,14 @@ impl Command {
                 | Self::Completions { .. }
                 | Self::Man { .. }
         );
-        if let (false, Some(path)) = (reads_none, found()) {
-            say(format_args!("settings of {}", path.display()));
+        let Some(found) = found().filter(|_| !reads_none) else { return };
+        let path = found.path.display();
+        if found.is_taken() {
+            say(format_args!("settings of {path}"));
+        } else {
+            say(format_args!(
+                "note: {path} is another user's, or anybody may write to it: its settings are not taken; --config {path} takes them"
+            ));
         }
     }
 

@@ -91,7 +91,8 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry, robots: Option<&dyn Robot
     };
     let is_stream = flight.is_stream();
     let mut diagnostics = Diagnostics::default();
-    let mut written = Written::open(args.out.as_deref(), args.map.as_deref(), &config, &read, &mut diagnostics)?;
+    let (out, map, is_paced) = (args.out.as_deref(), args.map.as_deref(), is_stream || args.rate.is_some());
+    let mut written = Written::open(out, map, &config, &read, is_paced, &mut diagnostics)?;
     let of = observers::Source { input: &args.input, settings: &args.config, is_paced: args.rate.is_some() };
     let mut observers = observers::open(&args.record, &of, &config, &mut diagnostics)?;
     if let ([only], false, false) = (&args.input.recordings.input[..], observers.list.is_empty(), is_stream) {

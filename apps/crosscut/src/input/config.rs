@@ -49,8 +49,15 @@ pub(crate) fn layers(
     settings: &[(&str, &[String])],
 ) -> Result<Vec<Layer>, UsageError> {
     let mut layers = vec![Preset::named(preset).map_err(usage)?.into()];
-    for path in found().as_deref().into_iter().chain(file) {
-        layers.push(Layer::file(path, &settings_in(path)?).map_err(usage)?);
+    if let Some(found) = found().filter(Found::is_taken) {
+        let (path, text) = (&found.path, settings_in(&found.path)?);
+        let layer = if found.is_named { Layer::file(path, &text) } else { Layer::unasked(path, &text) };
+        layers.push(layer.map_err(usage)?);
+    }
+    if let Some(path) = file {
+        let text = settings_in(path)?;
+        let layer = if is_recording(path) { Layer::recorded(path, &text) } else { Layer::file(path, &text) };
+        layers.push(layer.map_err(usage)?);
     }
     for (option, settings) in settings {
         layers.push(Layer::settings(option, settings).map_err(usage)?);
@@ -58,14 +65,44 @@ pub(crate) fn layers(
     Ok(layers)
 }
 
-/// The file that every configuration starts with: the one that the environment names, or the nearest of its name in this folder
-/// and those above it.
-pub(crate) fn found() -> Option<PathBuf> {
+/// A file of settings that every configuration starts with.
+pub(crate) struct Found {
+    pub(crate) path: PathBuf,
+    /// The environment names it.
+    is_named: bool,
+}
+
+/// The file that the environment names, or the nearest of its name in this folder and those above it.
+pub(crate) fn found() -> Option<Found> {
     if let Some(named) = std::env::var_os(VARIABLE) {
-        return if named.is_empty() { None } else { Some(named.into()) };
+        return (!named.is_empty()).then(|| Found { path: named.into(), is_named: true });
     }
     let folder = std::env::current_dir().ok()?;
-    folder.ancestors().map(|folder| folder.join(FILE_NAME)).find(|file| file.is_file())
+    let path = folder.ancestors().map(|folder| folder.join(FILE_NAME)).find(|file| file.is_file())?;
+    Some(Found { path, is_named: false })
+}
+
+impl Found {
+    /// Whether its settings count: not those that somebody else put there, or may change.
+    pub(crate) fn is_taken(&self) -> bool {
+        self.is_named || is_own(&self.path)
+    }
+}
+
+/// Whether a file is the user's or root's, and nobody else may write to it.
+#[cfg(unix)]
+fn is_own(file: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt as _;
+    const ALL_MAY_WRITE: u32 = 0o002;
+    let of_user = [Some("/proc/self".into()), std::env::home_dir()];
+    let user = of_user.into_iter().flatten().find_map(|path| path.metadata().ok()).map(|of_user| of_user.uid());
+    let is_of = |uid| uid == 0 || Some(uid) == user;
+    file.metadata().is_ok_and(|file| is_of(file.uid()) && file.mode() & ALL_MAY_WRITE == 0)
+}
+
+#[cfg(not(unix))]
+fn is_own(_: &Path) -> bool {
+    true
 }
 
 impl ConfigArgs {
@@ -79,9 +116,13 @@ impl ConfigArgs {
     }
 }
 
+fn is_recording(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("rrd"))
+}
+
 /// The text of a TOML file, or the settings stored in a recording.
 fn settings_in(path: &Path) -> Result<String, UsageError> {
-    if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("rrd")) {
+    if is_recording(path) {
         return settings_in_recording(path);
     }
     text_file::read(path).map_err(|error| match error.kind() {

@@ -147,14 +147,14 @@ pub(crate) fn settings(path: &Path) -> anyhow::Result<Layer> {
     let recording = opened(path)?;
     let none = || lacking(&recording, format!("the recording has no /config: {}", path.display()));
     let toml = recording.config_toml().ok_or_else(none)?;
-    Ok(Layer::file(path, &toml)?)
+    Ok(Layer::recorded(path, &toml)?)
 }
 
 /// Scans are recorded as ingest made them: other settings of ingest cannot be tried on them. Those that nobody but a preset
 /// set are passed over with a note.
 fn refuse_other_ingest(path: &Path, recording: &Recording, config: &Config) -> anyhow::Result<()> {
     let toml = recording.config_toml().unwrap_or_default();
-    let Ok(recorded) = Layer::file(path, &toml).and_then(|layer| Config::resolve(&Registry::standard(), &[layer]))
+    let Ok(recorded) = Layer::recorded(path, &toml).and_then(|layer| Config::resolve(&Registry::standard(), &[layer]))
     else {
         return Ok(()); // with kinds of one's own
     };

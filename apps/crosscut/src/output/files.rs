@@ -95,7 +95,7 @@ fn is_closed() -> bool {
 /// Refuses an output that is one of the files `read` or belongs to one, the file of settings that was found, or the same file as
 /// another output.
 pub(crate) fn refuse(outputs: &[&Path], read: &[PathBuf]) -> Result<(), UsageError> {
-    let settings = config::found();
+    let settings = config::found().map(|found| found.path);
     for (i, output) in outputs.iter().enumerate() {
         // `-` reads standard input and writes standard output.
         let is_input = |read: &PathBuf| is_same_file(read, output) || belongs_to(output, read);

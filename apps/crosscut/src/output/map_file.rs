@@ -1,4 +1,5 @@
-//! The file of a map, which a run replaces along the flight: a run that is killed leaves the map up to a second before.
+//! The file of a map. Of a flight that comes at its own pace the file is replaced along the way: a run that is killed leaves
+//! the map up to a second before. Of a file that is read there is the map of all of it, or what was there before.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -17,16 +18,17 @@ pub(crate) struct MapFile {
     document: Document,
     /// What a drawing shows besides the map; `None` in the other formats.
     seen: Option<MapDrawing>,
-    /// When the file was replaced last.
-    replaced: Instant,
+    /// When the file was replaced last; `None` if it is not before the end.
+    replaced: Option<Instant>,
 }
 
 impl MapFile {
     /// Opens the file before the work begins.
-    pub(crate) fn create(path: &Path, read: &[PathBuf]) -> anyhow::Result<Self> {
+    pub(crate) fn create(path: &Path, read: &[PathBuf], is_paced: bool) -> anyhow::Result<Self> {
         let document = Document::create(path, read, Keep::ThroughPowerLoss)?;
         let seen = (maps::format_of(path) == "svg").then(MapDrawing::default);
-        Ok(Self { path: path.to_owned(), document, seen, replaced: Instant::now() })
+        let replaced = (is_paced && document.is_file()).then(Instant::now);
+        Ok(Self { path: path.to_owned(), document, seen, replaced })
     }
 
     /// Takes the next revolution, which `mapper` and `no_place` took, and replaces the file if that is due. An error here is no
@@ -35,9 +37,9 @@ impl MapFile {
         if let Some(seen) = &mut self.seen {
             seen.add(frame, mapper);
         }
-        if self.document.is_file() && self.replaced.elapsed() >= EVERY {
+        if self.replaced.is_some_and(|replaced| replaced.elapsed() >= EVERY) {
             self.finish(mapper, no_place).ok();
-            self.replaced = Instant::now();
+            self.replaced = Some(Instant::now());
         }
     }
 

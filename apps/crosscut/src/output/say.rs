@@ -16,12 +16,15 @@ pub(crate) fn show(text: impl Display) -> anyhow::Result<()> {
     std::io::stdout().write_all(text.as_bytes()).context("standard output")
 }
 
-/// The text with control characters escaped. Names of topics come from the recording, and a terminal would obey control
-/// characters in them.
+/// Characters that turn the direction of writing: what follows looks as if it stood elsewhere.
+const TURNING: &str = "\u{61c}\u{200e}\u{200f}\u{202a}\u{202b}\u{202c}\u{202d}\u{202e}\u{2066}\u{2067}\u{2068}\u{2069}";
+
+/// The text with control characters escaped, and those of [`TURNING`]. Names of topics come from the
+/// recording, and a terminal would obey what stands in them.
 fn printable(text: &str) -> String {
     let mut printable = String::with_capacity(text.len());
     for character in text.chars() {
-        if character.is_control() && character != '\n' {
+        if TURNING.contains(character) || character.is_control() && character != '\n' {
             printable.extend(character.escape_default());
         } else {
             printable.push(character);

@@ -24,16 +24,17 @@ pub(crate) struct Written {
 }
 
 impl Written {
-    /// Opens the files. Without the map the run continues; without results it fails.
+    /// Opens the files. Without the map the run continues; without results it fails. `is_paced`: the flight comes at its own pace.
     pub(crate) fn open(
         results: Option<&Path>,
         map: Option<&Path>,
         config: &Config,
         read: &[PathBuf],
+        is_paced: bool,
         diagnostics: &mut Diagnostics,
     ) -> anyhow::Result<Self> {
         let results = results.map(|path| Results::create(path, config, read)).transpose()?;
-        let map = map.map(|path| MapFile::create(path, read)).transpose();
+        let map = map.map(|path| MapFile::create(path, read, is_paced)).transpose();
         diagnostics.lost_all(map.as_ref().err().map(|error| format!("{error:#}")));
         Ok(Self { results, mapper: Mapper::default(), no_place: NoPlace::default(), map: map.unwrap_or_default() })
     }

@@ -34,6 +34,11 @@ pub enum ConfigError {
     #[error("{layer}: {section}.{error}")]
     BadValue { layer: String, section: &'static str, error: ParamError },
     #[error(
+        "{layer}: pipeline.memory_mb is at most {most} in a file that is found; name the file (--config, or \
+         $CROSSCUT_CONFIG), or set it with --set"
+    )]
+    LimitRaised { layer: String, most: i64 },
+    #[error(
         "ingest.min_range_m ({nearest_m}) is not below ingest.max_range_m ({farthest_m}), so no return would be left"
     )]
     NoReturnLeft { nearest_m: f64, farthest_m: f64 },

@@ -5,6 +5,8 @@ use std::path::Path;
 use toml::{Table, Value};
 
 use super::error::{ConfigError, nearest};
+use super::retired::RETIRED;
+use super::schema::MEMORY_MB;
 
 /// Settings that ship with the program.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -84,6 +86,32 @@ impl Layer {
     /// When it is not TOML.
     pub fn file(path: &Path, text: &str) -> Result<Self, ConfigError> {
         Self::parse(path.display().to_string(), text)
+    }
+
+    /// The settings of a recording, which an earlier version may have made: those that are none any more are left out.
+    ///
+    /// # Errors
+    /// When it is not TOML.
+    pub fn recorded(path: &Path, text: &str) -> Result<Self, ConfigError> {
+        let mut layer = Self::file(path, text)?;
+        for (section, key) in RETIRED.iter().filter_map(|(setting, _)| setting.split_once('.')) {
+            layer.table.get_mut(section).and_then(Value::as_table_mut).map(|section| section.remove(key));
+        }
+        Ok(layer)
+    }
+
+    /// The text of a configuration file that nobody named. It may lower the limit on memory, not raise it.
+    ///
+    /// # Errors
+    /// When it is not TOML, or raises the limit.
+    pub fn unasked(path: &Path, text: &str) -> Result<Self, ConfigError> {
+        let layer = Self::file(path, text)?;
+        let set = layer.table.get("pipeline").and_then(|section| section.get(MEMORY_MB.spec.name));
+        let most = MEMORY_MB.spec.default_value();
+        match set.and_then(Value::as_integer).zip(most.as_integer()) {
+            Some((set, most)) if set > most => Err(ConfigError::LimitRaised { layer: layer.name, most }),
+            _ => Ok(layer),
+        }
     }
 
     /// Single settings, each `section.key=value`. The value is TOML; what is not TOML is a word. Messages call the layer by

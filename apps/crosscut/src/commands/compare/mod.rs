@@ -3,6 +3,7 @@
 mod flight;
 mod shown;
 
+use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -123,6 +124,14 @@ impl All<'_> {
             let is_one = self.args.input.join || input[0].join("metadata.yaml").is_file();
             flights.extend(if is_one { vec![files] } else { files.into_iter().map(|file| vec![file]).collect() });
         }
+        let mut seen = BTreeSet::new();
+        flights.retain(|parts| {
+            let is_new = seen.insert(parts.iter().map(|file| file.canonicalize().ok()).collect::<Vec<_>>());
+            if !is_new {
+                diagnostics.note(format_args!("{} was given twice and counts once", parts[0].display()));
+            }
+            is_new
+        });
         let stem = |parts: &Vec<PathBuf>| parts[0].file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let stems: Vec<String> = flights.iter().map(stem).collect();
         let (mut kept, mut revolutions, mut refused) = (Vec::new(), Some(0), Vec::new());

@@ -182,7 +182,7 @@ fn words(line: &str) -> Vec<String> {
 
 /// Whether the words end the session.
 fn is_end(words: &[String]) -> bool {
-    matches!(words, [only] if only == "quit")
+    matches!(words, [only] if ["quit", "exit", "q"].contains(&only.as_str()))
 }
 
 #[cfg(test)]

@@ -24,7 +24,7 @@ pub(crate) struct RrdLsArgs {
     pub(super) recording: PathBuf,
     /// List all components of this entity, including those that control the drawing.
     pub(super) entity: Option<String>,
-    /// Print the configuration that the recording was made with.
+    /// Print the settings that the recording was made with, as TOML; without an entity nothing else.
     #[arg(long)]
     pub(super) config: bool,
 }

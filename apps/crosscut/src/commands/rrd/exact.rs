@@ -81,7 +81,7 @@ impl<'a> Recomputation<'a> {
             return Err(UsageError(format!("{entity} cannot be recomputed; {names} can")).into());
         };
         let toml = recording.config_toml().context("the recording has no /config")?;
-        let layer = Layer::file(Path::new("/config"), &toml)?;
+        let layer = Layer::recorded(Path::new("/config"), &toml)?;
         let config = Config::resolve(registry, &[layer]).context("it was recorded by another version of crosscut")?;
         Ok(Self {
             scans: recording.revolutions().context("the recording does not hold all of its scans: record it again")?,

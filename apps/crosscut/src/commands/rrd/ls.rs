@@ -1,14 +1,12 @@
 //! `crosscut rrd ls`: entities, components, revolutions and sizes of a recording.
 
-use std::io::Write;
-
-use anyhow::Context;
 use crosscut_evaluate::tables::Table;
 use crosscut_rrd::{ReadError, RecordedEntity, Recording};
 
 use super::args::RrdLsArgs;
 use super::{entity_path, open, say_damages};
 use crate::exit::{Outcome, UsageError};
+use crate::output::show;
 use crate::output::typeset::plain;
 
 /// Prints the content of a recording, or of each that the file holds. The exit code is 3 if one is damaged.
@@ -28,7 +26,7 @@ pub(super) fn ls(args: &RrdLsArgs) -> anyhow::Result<Outcome> {
             }
             opened.iter().enumerate().try_fold(Outcome::Done, |outcome, (at, (id, recording))| {
                 let heading = format!("{}recording   {id}\n", if at == 0 { "" } else { "\n" });
-                std::io::stdout().write_all(heading.as_bytes()).context("standard output")?;
+                show(heading)?;
                 let of_this = list(args, recording)?;
                 Ok(if of_this == Outcome::Done { outcome } else { of_this })
             })
@@ -47,11 +45,13 @@ fn list(args: &RrdLsArgs, recording: &Recording) -> anyhow::Result<Outcome> {
     if let Some(entity) = &entity {
         recording.rows(entity).map_err(|error| UsageError(error.to_string()))?; // which names those that there are
     }
-    let mut text = heading(recording) + "\n\n" + &plain(&entities(recording, entity.as_deref())) + "\n";
-    if args.config {
-        text += &format!("\n{}", recording.config_toml().unwrap_or_else(|| "# no /config\n".to_owned()));
-    }
-    std::io::stdout().write_all(text.as_bytes()).context("standard output")?;
+    let config = || recording.config_toml().unwrap_or_else(|| "# no /config\n".to_owned());
+    let listed = || heading(recording) + "\n\n" + &plain(&entities(recording, entity.as_deref())) + "\n";
+    show(match (&entity, args.config) {
+        (None, true) => config(),
+        (Some(_), true) => listed() + "\n" + &config(),
+        (_, false) => listed(),
+    })?;
     Ok(say_damages(recording))
 }
 
