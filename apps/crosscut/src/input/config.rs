@@ -8,6 +8,7 @@ use crosscut_detector::{Config, Layer, Preset, Registry};
 
 use crate::exit::UsageError;
 use crate::input::text_file;
+use crate::values::has_extension;
 
 /// The heading of what configures.
 pub(crate) const CONFIGURATION: &str = "Configuration";
@@ -56,7 +57,7 @@ pub(crate) fn layers(
     }
     if let Some(path) = file {
         let text = settings_in(path)?;
-        let layer = if is_recording(path) { Layer::recorded(path, &text) } else { Layer::file(path, &text) };
+        let layer = if has_extension(path, "rrd") { Layer::recorded(path, &text) } else { Layer::file(path, &text) };
         layers.push(layer.map_err(usage)?);
     }
     for (option, settings) in settings {
@@ -116,13 +117,9 @@ impl ConfigArgs {
     }
 }
 
-fn is_recording(path: &Path) -> bool {
-    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("rrd"))
-}
-
 /// The text of a TOML file, or the settings stored in a recording.
 fn settings_in(path: &Path) -> Result<String, UsageError> {
-    if is_recording(path) {
+    if has_extension(path, "rrd") {
         return settings_in_recording(path);
     }
     text_file::read(path).map_err(|error| match error.kind() {
