@@ -143,6 +143,15 @@ fn crosscut_toml_applies_below_its_folder_and_above_the_preset() {
 
 #[test]
 #[cfg(unix)]
+fn a_first_thread_with_a_small_stack_is_enough() {
+    let mut shell = std::process::Command::new("bash");
+    shell.args(["-c", "ulimit -s 64 && \"$0\" run \"$1\" --preset paper --quiet"]);
+    let ran = shell.arg(crosscut([""; 0]).get_program()).arg(shipped_flight()).output().expect("it starts");
+    Ran::from(ran).expect_code(0);
+}
+
+#[test]
+#[cfg(unix)]
 fn settings_that_anybody_may_write_are_not_taken_and_limits_are_not_raised_unasked() {
     use std::os::unix::fs::PermissionsExt as _;
 

@@ -101,7 +101,7 @@ fn tables_go_to_standard_output_and_words_to_standard_error() {
     let results = ["run", "--out"].map(PathBuf::from).into_iter();
     let ran = flown(&results.clone().chain([folder.path().join("r.jsonl")]).collect::<Vec<_>>(), &flight, &[]);
     let ran = ran.expect_code(0);
-    assert!(ran.stdout.contains("of these, sure") && ran.stdout.contains("median ms"), "{}", ran.stdout);
+    assert!(ran.stdout.contains("confidence 0.9 or more") && ran.stdout.contains("median ms"), "{}", ran.stdout);
     assert!(ran.stderr.starts_with("141 revolutions in ") && !ran.stderr.contains("sure"), "{}", ran.stderr);
     // Results and tables do not mix.
     let ran = flown(&results.chain(["-".into()]).collect::<Vec<_>>(), &flight, &[]).expect_code(0);

@@ -17,7 +17,7 @@ use crate::navigator::{Command, Navigator};
 use crate::recording::{Recording, Wanted};
 use crate::scan::Scan;
 use crate::stages::Callables;
-use crate::values::Pose;
+use crate::values::{Pose, Real};
 
 /// The stages of one configuration, with their buffers.
 #[pyclass(frozen, module = "crosscut._native")]
@@ -227,8 +227,8 @@ impl Engine {
     }
 
     /// The navigator of a vehicle with these limits: largest speed and largest turn rate.
-    fn navigator(&self, planner: &str, limits: [f64; 2]) -> PyResult<Navigator> {
-        Navigator::new(&self.config, &self.registry, planner, limits)
+    fn navigator(&self, planner: &str, limits: [Real; 2]) -> PyResult<Navigator> {
+        Navigator::new(&self.config, &self.registry, planner, limits.map(|Real(limit)| limit))
     }
 
     /// The command of a navigator after the next scan. `pose` is that of the vehicle by its odometry.

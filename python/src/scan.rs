@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 
 use crate::arrays::{self, Matrix};
 use crate::error::Class;
-use crate::values::Whole;
+use crate::values::{Real, Whole};
 
 /// One scan. Made of ranges, of points, or by `crosscut.read`.
 #[pyclass(frozen, module = "crosscut")]
@@ -100,25 +100,26 @@ impl Scan {
 #[pymethods]
 impl Scan {
     #[new]
-    #[pyo3(signature = (ranges, angle_min, angle_increment, *, range_min=0.0, range_max=f32::INFINITY, stamp_ns=Whole(0), seq=None, frame_id=String::new()))]
+    #[pyo3(signature = (ranges, angle_min, angle_increment, *, range_min=Real(0.0), range_max=Real(f64::INFINITY), stamp_ns=Whole(0), seq=None, frame_id=String::new()))]
     #[expect(clippy::too_many_arguments)] // keywords in Python
     fn new(
         ranges: &Bound<'_, PyAny>,
-        angle_min: f64,
-        angle_increment: f64,
-        range_min: f32,
-        range_max: f32,
+        angle_min: Real,
+        angle_increment: Real,
+        range_min: Real,
+        range_max: Real,
         stamp_ns: Whole,
         seq: Option<Whole>,
         frame_id: String,
     ) -> PyResult<Self> {
         let ranges: Vec<f32> = arrays::vector(ranges, MOST_BEAMS)?;
+        let (Real(angle_min), Real(angle_increment)) = (angle_min, angle_increment);
         let mut scan = LaserScan {
             angle_min: angle_min as f32,
             angle_max: (angle_min + ranges.len().saturating_sub(1) as f64 * angle_increment) as f32,
             angle_increment: angle_increment as f32,
-            range_min,
-            range_max,
+            range_min: range_min.0 as f32,
+            range_max: range_max.0 as f32,
             ranges,
             ..LaserScan::default()
         };

@@ -154,7 +154,7 @@ def test_a_script_that_is_over_ends_the_threads_whose_results_nobody_reads() -> 
 DOCUMENTED = (TypeError, ValueError, crosscut.Error)
 
 ODD: list[Any] = [
-    None, -1, 0, 1, 1 << 70, 1.5, float("nan"), float("inf"), True, "x", "", b"", b"\0\1\0\0", (), [], {}, {"a": 1}, object(), print,
+    None, -1, 0, 1, 1 << 70, 10**400, 1.5, float("nan"), float("inf"), True, "x", "", b"", b"\0\1\0\0", (), [], {}, {"a": 1}, object(), print,
     [[1, 2]], [[[1]]], np.zeros(3), np.zeros((2, 2)), np.zeros((0, 2)), np.full((3, 2), np.nan), np.array(["a"]), np.array([None]),
     np.zeros((2, 2), complex), np.array(7), sparse.eye_array(3), sparse.coo_array(np.ones(3)), HUGE, LONG, SCAN, crosscut.Engine,
 ]

@@ -23,8 +23,10 @@ mod output;
 mod values;
 
 use std::ffi::OsString;
+use std::panic::resume_unwind;
 use std::path::Path;
 use std::process::ExitCode;
+use std::thread::{self, Builder};
 
 use clap::FromArgMatches;
 use crosscut_detector::Registry;
@@ -39,9 +41,17 @@ pub use crate::output::answers::scene;
 pub use crate::output::observers::recorder_options;
 use crate::output::{maps, say};
 
+/// Stack of the thread that does the command: that of the first thread is what the system grants, which may be a few pages.
+const STACK_BYTES: usize = 8 << 20;
+
 /// Runs the command in the arguments of this process, with the stages of `registry` to choose from.
 pub fn main(registry: &Registry) -> ExitCode {
-    run(std::env::args_os(), registry, &Host::default()).into()
+    let run = || run(std::env::args_os(), registry, &Host::default());
+    let code = thread::scope(|scope| match Builder::new().stack_size(STACK_BYTES).spawn_scoped(scope, run) {
+        Ok(command) => command.join().unwrap_or_else(|panicked| resume_unwind(panicked)),
+        Err(_) => run(),
+    });
+    code.into()
 }
 
 /// Runs the command in `args`, of which the first is the name of the program, and returns its exit code. By the name

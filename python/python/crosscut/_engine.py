@@ -124,8 +124,8 @@ class Engine:
         paths = [path] if isinstance(path, (str, os.PathLike)) else list(path)
         topics = [] if topic is None else [topic] if isinstance(topic, str) else texts("topic", topic)
         every = operator.index(every)
-        if every < 1:
-            raise ValueError(f"every is 1 or more, not {every}")
+        if not 1 <= every < 1 << 64:
+            raise ValueError(f"every is 1 or more, and less than 2^64, not {every}")
         wanted = {
             "paths": [os.fspath(part) for part in paths],
             "topics": topics,
@@ -259,7 +259,10 @@ def seconds(name: str, value: object) -> float | None:
         return None
     if not isinstance(value, numbers.Real):
         raise TypeError(f"{name} is a number of seconds, not {value!r}")
-    return float(value)
+    try:
+        return float(value)
+    except OverflowError:
+        raise ValueError(f"{name} is larger than any number of 64 bits") from None
 
 
 def texts(name: str, values: Iterable[str]) -> list[str]:

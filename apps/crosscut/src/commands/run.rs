@@ -153,7 +153,7 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry, robots: Option<&dyn Robot
         diagnostics.interrupt(); // the recording ended because of that; a robot is heard until then
     }
     if !args.quiet && !is_map_alone && args.out.as_deref() != Some(Path::new("-")) {
-        show(summary::tables(&flown.summary))?;
+        show(summary::tables(&flown.summary, is_stream))?;
     }
     if observers.served {
         serve_until_interrupt(&stop);

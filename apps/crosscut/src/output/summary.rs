@@ -19,14 +19,14 @@ pub(crate) fn words(flown: &Flown) -> String {
     format!("{revolutions} in {elapsed_s:.2} s ({per_second:.0} a second), {noted} with notes")
 }
 
-/// Counts, time per stage, and notes, for a terminal; nothing without revolutions.
-pub(crate) fn tables(summary: &Summary) -> String {
+/// Counts, time per stage, and notes, for a terminal; nothing without revolutions. `is_live`: scans were waited for.
+pub(crate) fn tables(summary: &Summary, is_live: bool) -> String {
     if summary.revolutions == 0 {
         return String::new();
     }
     let mut text = typeset::plain(&counts(summary));
     text.extend(gaps(summary.gaps).map(|line| format!("\n\n{line}")));
-    text += &format!("\n\n{}\n", typeset::plain(&times(summary)));
+    text += &format!("\n\n{}\n", typeset::plain(&times(summary, is_live)));
     if summary.noted > 0 {
         let more = summary.notes.by_frequency().len().saturating_sub(NOTES_SHOWN) as u64;
         text += &format!("\n{}\n", typeset::plain(&notes(summary, NOTES_SHOWN)));
@@ -42,7 +42,12 @@ fn gaps(gaps: KnownGaps) -> Option<String> {
     let percent = |part: u64| 100.0 * part as f64 / gaps.all() as f64;
     let [seen, proved, judged] = [gaps.seen, gaps.proved, gaps.judged].map(percent);
     (gaps.all() > 0)
-        .then(|| format!("gaps: {judged:.1} % judged, {seen:.1} % seen through, {proved:.1} % proved to be closed"))
+        .then(|| {
+            format!(
+                "gaps between walls: {judged:.1} % judged by their form, {seen:.1} % seen through, {proved:.1} % proved to be \
+                 closed by a wall behind"
+            )
+        })
 }
 
 /// Revolutions by their number of walls.
@@ -56,7 +61,7 @@ pub(crate) fn counts(summary: &Summary) -> Table {
             if answers.rated == 0 { "-".to_owned() } else { share(answers.sure, answers.revolutions) },
         ]
     };
-    table(&["walls", "revolutions", "share", "of these, sure"], summary.junctions.iter().map(row).collect())
+    table(&["walls", "revolutions", "share", "confidence 0.9 or more"], summary.junctions.iter().map(row).collect())
 }
 
 /// The `most` most frequent kinds of notes, each with its first instance.
@@ -67,16 +72,17 @@ pub(crate) fn notes(summary: &Summary, most: usize) -> Table {
 }
 
 /// Times of the stages, of the flight, and from the arrival of a scan until its results are written, which is longer than
-/// the stages where scans wait for each other.
-pub(crate) fn times(summary: &Summary) -> Table {
-    let steps = Step::ALL.map(|step| (step.name(), summary.times.steps[step as usize].median_and_p99()));
+/// the stages where scans wait for each other. Of a live flight `ingest` is the wait for the next scan, which is left out.
+pub(crate) fn times(summary: &Summary, is_live: bool) -> Table {
+    let steps = Step::ALL.into_iter().filter(|step| !is_live || *step != Step::Ingest);
+    let steps = steps.map(|step| (step.name(), summary.times.steps[step as usize].median_and_p99()));
     let flight = ("flight", summary.times.flight.median_and_p99());
-    let latency = ("with waiting", summary.times.latency.median_and_p99());
+    let latency = ("arrival to result", summary.times.latency.median_and_p99());
     let row = |(name, times): (&str, Option<(u64, u64)>)| {
         let ms = |ns: u64| format!("{:.3}", ns as f64 / 1e6);
         times.map(|(median_ns, p99_ns)| vec![name.to_owned(), ms(median_ns), ms(p99_ns)])
     };
-    table(&["stage", "median ms", "p99 ms"], steps.into_iter().chain([flight, latency]).filter_map(row).collect())
+    table(&["stage", "median ms", "p99 ms"], steps.chain([flight, latency]).filter_map(row).collect())
 }
 
 fn table(header: &[&str], rows: Vec<Vec<String>>) -> Table {

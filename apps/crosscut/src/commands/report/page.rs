@@ -68,7 +68,7 @@ pub(super) fn html(title: &str, config: &Config, flown: &Flown, shown: &Shown, h
         Some(("Places", places.html(&map, look))),
         (!lost.is_empty()).then(|| ("Lost", list(&lost))),
         (summary.noted > 0).then(|| ("Notes", table(&notes(summary, MOST_NOTES)))),
-        Some(("Time", table(&times(summary)))),
+        Some(("Time", table(&times(summary, false)))),
         Some((
             "Settings",
             format!(
