@@ -142,6 +142,12 @@ fn crosscut_toml_applies_below_its_folder_and_above_the_preset() {
 }
 
 #[test]
+fn an_angle_in_degrees_is_refused_with_its_radians() {
+    let ran = run(["config", "--set", "csv.first_rad=-135"]).expect_code(2);
+    assert!(ran.stderr.contains("; -135 degrees are -2.3562"), "{}", ran.stderr);
+}
+
+#[test]
 #[cfg(unix)]
 fn a_first_thread_with_a_small_stack_is_enough() {
     let mut shell = std::process::Command::new("bash");

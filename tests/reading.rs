@@ -57,6 +57,8 @@ fn a_recording_is_listed_with_its_entities_versions_and_configuration() {
     assert!(!listed.contains("radii") && !listed.contains("[affinity]"));
     let more = rrd(&["ls", flight, "/scan/returns", "--config"]).expect_code(0).stdout;
     assert!(more.contains("radii") && more.contains("[affinity]"));
+    let described = run(["info", flight]).expect_code(0).stdout;
+    assert!(described.starts_with(&listed) && described.contains("next: crosscut view"), "{described}");
     let settings = rrd(&["ls", flight, "--config"]).expect_code(0).stdout;
     assert!(settings.starts_with("# crosscut") && !settings.contains("/scan/returns"), "{settings}");
 }

@@ -304,8 +304,10 @@ impl ParamSpec {
             Some(false) => ParamErrorKind::OutOfRange,
             None => ParamErrorKind::WrongType,
         };
+        let degrees = number(&value).filter(|x| self.unit == "rad" && x.abs() <= 360.0);
+        let degrees = degrees.map_or_else(String::new, |x| format!("; {x} degrees are {:.4}", x.to_radians()));
         let (name, value) = (self.name.to_owned(), value_text(&value));
-        Err(ParamError { kind, name, value, expected: self.expected() })
+        Err(ParamError { kind, name, value, expected: self.expected() + &degrees })
     }
 
     /// A value with real numbers where whole ones serve for them.

@@ -37,6 +37,10 @@ pub(crate) fn info(args: &InfoArgs, registry: &Registry) -> anyhow::Result<Outco
     if let Some(code) = &args.note {
         return explain(code);
     }
+    #[cfg(feature = "rerun")]
+    if let (Some(recording), None) = (crate::input::recorded::only(&args.recordings.input)?, &args.json) {
+        return super::rrd::describe(recording);
+    }
     stop_on_interrupt()?; // which ends a wait for standard input
     let config = args.config.resolve(registry)?;
     let sensor = config.sensor();

@@ -17,7 +17,7 @@ use crosscut_rrd::{Damage, ReadError, Recording};
 
 pub(crate) use self::args::RrdCommand;
 use crate::exit::{Outcome, UsageError};
-use crate::output::say;
+use crate::output::{say, show};
 
 /// Lists, exports or compares.
 pub(crate) fn rrd(command: &RrdCommand, registry: &Registry) -> anyhow::Result<Outcome> {
@@ -26,6 +26,14 @@ pub(crate) fn rrd(command: &RrdCommand, registry: &Registry) -> anyhow::Result<O
         RrdCommand::Get(args) => get::get(args, registry),
         RrdCommand::Diff(args) => diff::diff(args),
     }
+}
+
+/// Lists a recording, with what else can be done with that.
+pub(crate) fn describe(recording: &Path) -> anyhow::Result<Outcome> {
+    let outcome = ls::ls(&args::RrdLsArgs { recording: recording.to_owned(), entity: None, config: false })?;
+    let path = recording.display();
+    show(format!("\nnext: crosscut view {path}, crosscut debug {path}, crosscut run {path} --set KEY=VALUE\n"))?;
+    Ok(outcome)
 }
 
 /// Opens a recording: the one with this identifier, or else the only one of the file.
