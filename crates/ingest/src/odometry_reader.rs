@@ -26,6 +26,7 @@ pub(crate) struct OdometryReader {
     poses: Odometry,
     /// How many messages cannot be read, and why the first cannot.
     unreadable: Option<(u64, DecodeError)>,
+    any_read: bool,
 }
 
 impl OdometryReader {
@@ -48,7 +49,15 @@ impl OdometryReader {
         });
         let has_topic = |contents: &&Contents| reader.is_none() && !topic.channels_in(contents).is_empty();
         let files = contents().filter(has_topic).cloned().collect();
-        Some(Self { topic, csv: csv.clone(), files, reader, poses: Odometry::default(), unreadable: None })
+        Some(Self {
+            topic,
+            csv: csv.clone(),
+            files,
+            reader,
+            poses: Odometry::default(),
+            unreadable: None,
+            any_read: false,
+        })
     }
 
     /// The poses at the first and last of `stamps_ns`, which are times of a scan that was recorded at `recorded_ns`. Scans are
@@ -64,6 +73,7 @@ impl OdometryReader {
             let log_time_ns = message.log_time_ns;
             match pose_in(self.topic.has_odometry(), &self.topic.encoding, &message.data) {
                 Ok(Some((pose_ns, pose))) => {
+                    self.any_read = true;
                     self.poses.push(if pose_ns == 0 { log_time_ns } else { pose_ns }, pose);
                 }
                 Ok(None) => {}
@@ -83,6 +93,12 @@ impl OdometryReader {
     pub(crate) fn unreadable(&mut self) -> Option<LossKind> {
         let (count, cause) = self.unreadable.take()?;
         Some(LossKind::Messages { topic: self.topic.name.clone(), first_seq: 0, count, cause })
+    }
+
+    /// That none of those that were read can be used, if that is so.
+    pub(crate) fn unusable(&mut self) -> Option<LossKind> {
+        let (_, cause) = self.unreadable.take_if(|_| !self.any_read)?;
+        Some(LossKind::NoneUsable { topic: self.topic.name.clone(), cause })
     }
 
     /// The next message, from whichever file is at hand. A file that can no longer be opened has none.

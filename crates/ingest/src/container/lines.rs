@@ -27,11 +27,19 @@ pub(super) trait LineFormat: Send {
         Vec::new()
     }
 
-    /// Hands the messages of a line to `out`.
+    /// Whether a line that cannot be read is a message that is lost: not where several lines make one.
+    fn has_message_per_line(&self) -> bool {
+        true
+    }
+
+    /// Hands the messages of a line to `out`. Lines come in their order.
     ///
     /// # Errors
     /// When the line should have a message of this channel, and cannot be read: why.
-    fn read(&self, line: &Line, out: &mut VecDeque<Message>) -> Result<(), (ChannelId, String)>;
+    fn read(&mut self, line: &Line, out: &mut VecDeque<Message>) -> Result<(), (ChannelId, String)>;
+
+    /// There are no more lines: hands what waits for more of them to `out`. The next line is the first again.
+    fn end(&mut self, _out: &mut VecDeque<Message>) {}
 }
 
 /// One line.
@@ -67,6 +75,7 @@ impl<F: LineFormat> Lines<F> {
         while let Some(line) = next_line(&mut input, &mut number)? {
             format.survey(&line);
         }
+        format.end(&mut VecDeque::new());
         let channels = format.channels();
         let properties = format.properties();
         let contents =
@@ -84,14 +93,20 @@ impl<F: LineFormat> Lines<F> {
         self.input.rewind()?;
         self.number = 0;
         let (mut counts, mut damaged, mut last_ns, mut unreadable) = (BTreeMap::new(), BTreeMap::new(), 0, None);
-        while let Some(line) = next_line(&mut self.input, &mut self.number)? {
-            if let Err((channel, cause)) = self.format.read(&line, &mut self.queue) {
-                unreadable.get_or_insert((line.number, 0, cause)).1 += 1;
-                *damaged.entry(channel).or_default() += u64::from(line.is_ended);
-            }
-            if F::LAST_WORD_COUNTS && !line.is_ended && !self.queue.is_empty() {
-                let kind = LossKind::LastLine { line: line.number };
-                self.contents.losses.push(Loss { file: self.contents.path.clone(), kind });
+        loop {
+            let line = next_line(&mut self.input, &mut self.number)?;
+            if let Some(line) = &line {
+                if let Err((channel, cause)) = self.format.read(line, &mut self.queue) {
+                    unreadable.get_or_insert((line.number, 0, cause)).1 += 1;
+                    *damaged.entry(channel).or_default() +=
+                        u64::from(line.is_ended && self.format.has_message_per_line());
+                }
+                if F::LAST_WORD_COUNTS && !line.is_ended && !self.queue.is_empty() {
+                    let kind = LossKind::LastLine { line: line.number };
+                    self.contents.losses.push(Loss { file: self.contents.path.clone(), kind });
+                }
+            } else {
+                self.format.end(&mut self.queue);
             }
             for Message { channel, log_time_ns, .. } in self.queue.drain(..) {
                 *counts.entry(channel).or_default() += 1;
@@ -99,6 +114,9 @@ impl<F: LineFormat> Lines<F> {
                 self.contents.log_times_ns.add(log_time_ns);
                 let [first, last] = self.contents.log_time_ns.unwrap_or([log_time_ns; 2]);
                 self.contents.log_time_ns = Some([first.min(log_time_ns), last.max(log_time_ns)]);
+            }
+            if line.is_none() {
+                break;
             }
         }
         // A channel without any line that can be read has no messages.
@@ -115,6 +133,7 @@ impl<F: LineFormat> Lines<F> {
 
     fn rest(&mut self) -> io::Result<()> {
         (self.number, self.last_ns) = (0, 0);
+        self.format.end(&mut VecDeque::new());
         self.input.rewind()?;
         self.input.get_mut().rest()
     }
@@ -144,7 +163,11 @@ impl<F: LineFormat> Container for Lines<F> {
         while self.queue.is_empty() {
             let line = match next_line(&mut self.input, &mut self.number) {
                 Ok(Some(line)) => line,
-                Ok(None) => return None,
+                Ok(None) => {
+                    self.format.end(&mut self.queue);
+                    self.queue.retain(|message| self.selected.contains(&message.channel));
+                    break;
+                }
                 Err(error) => {
                     self.lose_rest(error);
                     return None;
@@ -155,6 +178,7 @@ impl<F: LineFormat> Container for Lines<F> {
             // message of its channel all the same, as old as the one before it.
             if let Err((channel, cause)) = format.read(&line, queue)
                 && line.is_ended
+                && format.has_message_per_line()
             {
                 let damage = Some(format!("line {}: {cause}", line.number));
                 queue.push_back(Message { channel, log_time_ns: self.last_ns, data: Vec::new(), damage });
