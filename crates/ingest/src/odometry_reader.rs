@@ -16,6 +16,9 @@ const AHEAD_NS: u64 = 2_000_000_000;
 /// This many poses are read ahead at most, where the times of recording are of no use.
 const MOST_AHEAD: usize = 100_000;
 
+/// A stamp that comes so often in a row stands still.
+const STANDING: u32 = 3;
+
 /// Gives the pose of the vehicle at the time of each scan.
 pub(crate) struct OdometryReader {
     topic: TopicInfo,
@@ -27,6 +30,9 @@ pub(crate) struct OdometryReader {
     /// How many messages cannot be read, and why the first cannot.
     unreadable: Option<(u64, DecodeError)>,
     any_read: bool,
+    last_stamp_ns: Option<u64>,
+    /// How often that came in a row.
+    same_stamps: u32,
 }
 
 impl OdometryReader {
@@ -57,6 +63,8 @@ impl OdometryReader {
             poses: Odometry::default(),
             unreadable: None,
             any_read: false,
+            last_stamp_ns: None,
+            same_stamps: 0,
         })
     }
 
@@ -74,7 +82,11 @@ impl OdometryReader {
             match pose_in(self.topic.has_odometry(), &self.topic.encoding, &message.data) {
                 Ok(Some((pose_ns, pose))) => {
                     self.any_read = true;
-                    self.poses.push(if pose_ns == 0 { log_time_ns } else { pose_ns }, pose);
+                    // A stamp that is missing, or stands still, is replaced as that of a scan.
+                    let is_same = self.last_stamp_ns.replace(pose_ns) == Some(pose_ns);
+                    self.same_stamps = if is_same { self.same_stamps + 1 } else { 0 };
+                    let stands = self.same_stamps >= STANDING;
+                    self.poses.push(if pose_ns == 0 || stands { log_time_ns } else { pose_ns }, pose);
                 }
                 Ok(None) => {}
                 Err(cause) => self.unreadable.get_or_insert((0, cause)).0 += 1,

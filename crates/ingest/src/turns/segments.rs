@@ -9,6 +9,7 @@ use crosscut_stage::NoteCode::{N046, N047, N048, N059};
 use crosscut_stage::counted;
 
 use super::turn::Turn;
+use crate::limits;
 
 /// Fewer messages do not show what a driver does.
 const LEAST_MESSAGES: usize = 6;
@@ -21,7 +22,7 @@ const CONTINUED_SHARE: f64 = 0.5;
 /// Increments of f32 angles that differ by less than this share are equal.
 const ROUNDING_SHARE: f64 = 1e-4;
 /// Increments of one sensor, whose motor runs unevenly, are within this factor of the usual one.
-const UNEVEN: f64 = 1.5;
+const UNEVEN: f64 = 1.2;
 /// Parts that come in any order are those of turns if a turn of them shows at least this share of all that they show.
 const SHOWN_SHARE: f64 = 0.75;
 /// A part of which more than this share was seen in this turn is of the next one.
@@ -77,7 +78,8 @@ impl Joiner {
         let scans: Vec<_> = scans.iter().map(|scan| along(scan, increment_rad)).collect();
         let scans: Vec<&LaserScan> = scans.iter().map(|scan| &**scan).collect();
         let are_parts = scans.iter().all(|scan| is_part(scan) && is_of_sensor(scan, increment_rad));
-        if scans.len() < LEAST_MESSAGES || step_rad <= 0.0 || !are_parts {
+        let is_step = step_rad * limits::BEAMS as f64 >= TAU;
+        if scans.len() < LEAST_MESSAGES || !is_step || !are_parts {
             return None;
         }
         let begins_rad = |scan: &LaserScan| travel_rad(scan, increment_rad);
