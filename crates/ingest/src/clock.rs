@@ -53,6 +53,7 @@ impl Clock {
         let low = if starts_at_0 { low } else { low.max(1) };
         let start_ns = log_ns.iter().copied().find(|ns| *ns >= low && is_near(ns)).unwrap_or(0);
         let stands = first.len() >= STANDING
+            && first[0].stamp_ns > 0
             && first.windows(2).all(|pair| pair[0].stamp_ns == pair[1].stamp_ns && pair[0].log_ns < pair[1].log_ns);
         let mut clock = Self { believed_ns: [low, high], start_ns, offset_ns: None, all_believed: true, stands };
         clock.all_believed = log_ns.iter().all(|ns| clock.believes(*ns));

@@ -194,7 +194,9 @@ impl Carmen {
             TimedBy::Logger => words.words.nth(1).and_then(nanoseconds).unwrap_or(time_ns),
             TimedBy::Count => {
                 let since_ns = (counted() as f64 * NS_PER_S / self.rate_hz).round() as u64;
-                self.first_ns.unwrap_or(0).saturating_add(since_ns)
+                let stated_ns = self.first_ns.unwrap_or(0).saturating_add(since_ns);
+                // A time that no stamp can hold is no beginning.
+                Time::from_ns(stated_ns).to_ns().filter(|ns| *ns == stated_ns).unwrap_or(since_ns)
             }
         }
     }

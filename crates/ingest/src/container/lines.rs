@@ -27,19 +27,11 @@ pub(super) trait LineFormat: Send {
         Vec::new()
     }
 
-    /// Whether a line that cannot be read is a message that is lost: not where several lines make one.
-    fn has_message_per_line(&self) -> bool {
-        true
-    }
-
-    /// Hands the messages of a line to `out`. Lines come in their order.
+    /// Hands the messages of a line to `out`. Lines come in their order; behind the last one comes an empty one.
     ///
     /// # Errors
     /// When the line should have a message of this channel, and cannot be read: why.
     fn read(&mut self, line: &Line, out: &mut VecDeque<Message>) -> Result<(), (ChannelId, String)>;
-
-    /// There are no more lines: hands what waits for more of them to `out`. The next line is the first again.
-    fn end(&mut self, _out: &mut VecDeque<Message>) {}
 }
 
 /// One line.
@@ -50,6 +42,11 @@ pub(super) struct Line {
     pub(super) text: String,
     /// Whether its end is there. Otherwise the file may have been cut off in its last word.
     pub(super) is_ended: bool,
+}
+
+impl Line {
+    /// The number of the empty line behind the last one.
+    pub(super) const END: u64 = u64::MAX;
 }
 
 /// Reads a text file as a [`Container`].
@@ -72,10 +69,9 @@ impl<F: LineFormat> Lines<F> {
         let bytes = file.length()?;
         let mut input = BufReader::new(file);
         let mut number = 0;
-        while let Some(line) = next_line(&mut input, &mut number)? {
+        while let Some(line) = line_or_end(&mut input, &mut number)? {
             format.survey(&line);
         }
-        format.end(&mut VecDeque::new());
         let channels = format.channels();
         let properties = format.properties();
         let contents =
@@ -93,20 +89,14 @@ impl<F: LineFormat> Lines<F> {
         self.input.rewind()?;
         self.number = 0;
         let (mut counts, mut damaged, mut last_ns, mut unreadable) = (BTreeMap::new(), BTreeMap::new(), 0, None);
-        loop {
-            let line = next_line(&mut self.input, &mut self.number)?;
-            if let Some(line) = &line {
-                if let Err((channel, cause)) = self.format.read(line, &mut self.queue) {
-                    unreadable.get_or_insert((line.number, 0, cause)).1 += 1;
-                    *damaged.entry(channel).or_default() +=
-                        u64::from(line.is_ended && self.format.has_message_per_line());
-                }
-                if F::LAST_WORD_COUNTS && !line.is_ended && !self.queue.is_empty() {
-                    let kind = LossKind::LastLine { line: line.number };
-                    self.contents.losses.push(Loss { file: self.contents.path.clone(), kind });
-                }
-            } else {
-                self.format.end(&mut self.queue);
+        while let Some(line) = line_or_end(&mut self.input, &mut self.number)? {
+            if let Err((channel, cause)) = self.format.read(&line, &mut self.queue) {
+                unreadable.get_or_insert((line.number, 0, cause)).1 += 1;
+                *damaged.entry(channel).or_default() += u64::from(line.is_ended);
+            }
+            if F::LAST_WORD_COUNTS && !line.is_ended && !self.queue.is_empty() {
+                let kind = LossKind::LastLine { line: line.number };
+                self.contents.losses.push(Loss { file: self.contents.path.clone(), kind });
             }
             for Message { channel, log_time_ns, .. } in self.queue.drain(..) {
                 *counts.entry(channel).or_default() += 1;
@@ -114,9 +104,6 @@ impl<F: LineFormat> Lines<F> {
                 self.contents.log_times_ns.add(log_time_ns);
                 let [first, last] = self.contents.log_time_ns.unwrap_or([log_time_ns; 2]);
                 self.contents.log_time_ns = Some([first.min(log_time_ns), last.max(log_time_ns)]);
-            }
-            if line.is_none() {
-                break;
             }
         }
         // A channel without any line that can be read has no messages.
@@ -133,7 +120,6 @@ impl<F: LineFormat> Lines<F> {
 
     fn rest(&mut self) -> io::Result<()> {
         (self.number, self.last_ns) = (0, 0);
-        self.format.end(&mut VecDeque::new());
         self.input.rewind()?;
         self.input.get_mut().rest()
     }
@@ -161,13 +147,9 @@ impl<F: LineFormat> Container for Lines<F> {
 
     fn next(&mut self) -> Option<Message> {
         while self.queue.is_empty() {
-            let line = match next_line(&mut self.input, &mut self.number) {
+            let line = match line_or_end(&mut self.input, &mut self.number) {
                 Ok(Some(line)) => line,
-                Ok(None) => {
-                    self.format.end(&mut self.queue);
-                    self.queue.retain(|message| self.selected.contains(&message.channel));
-                    break;
-                }
+                Ok(None) => return None,
                 Err(error) => {
                     self.lose_rest(error);
                     return None;
@@ -178,7 +160,6 @@ impl<F: LineFormat> Container for Lines<F> {
             // message of its channel all the same, as old as the one before it.
             if let Err((channel, cause)) = format.read(&line, queue)
                 && line.is_ended
-                && format.has_message_per_line()
             {
                 let damage = Some(format!("line {}: {cause}", line.number));
                 queue.push_back(Message { channel, log_time_ns: self.last_ns, data: Vec::new(), damage });
@@ -202,6 +183,17 @@ impl<F: LineFormat> Container for Lines<F> {
     fn take_losses(&mut self) -> Vec<Loss> {
         mem::take(&mut self.losses)
     }
+}
+
+/// The next line, or the empty one behind the last.
+fn line_or_end(input: &mut impl BufRead, number: &mut u64) -> io::Result<Option<Line>> {
+    let has_ended = *number == Line::END;
+    let line = if has_ended { None } else { next_line(input, number)? };
+    if line.is_none() && !has_ended {
+        *number = Line::END;
+        return Ok(Some(Line { number: Line::END, text: String::new(), is_ended: true }));
+    }
+    Ok(line)
 }
 
 /// The next line, without a mark of the byte order; one that is too long is cut off.

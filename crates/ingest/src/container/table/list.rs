@@ -62,8 +62,6 @@ pub(super) struct List {
     /// Rows of a usual turn.
     usual: usize,
     rows: Vec<Row>,
-    /// The last row was taken: the next one is the first again.
-    is_over: bool,
     /// How many turns were given, how many were left out as too short, and the least and largest number of rows.
     pub(super) turns: u64,
     short: u64,
@@ -192,9 +190,6 @@ impl List {
 
     /// Takes a row; gives the turn before it, with its first row and the time that it took, if this one begins another.
     pub(super) fn take(&mut self, value: impl Fn(usize) -> f64, times_ns: [Option<u64>; 2]) -> Option<(Seen, Row)> {
-        if std::mem::take(&mut self.is_over) {
-            (self.turns, self.short, self.sizes) = (0, 0, [0; 2]);
-        }
         let mut row = Row { times_ns, ..Self::row(&self.columns, value) };
         let last_rad = self.rows.last().map_or(0.0, |last| last.angle_rad);
         row.angle_rad = self.angle_rad(&row).unwrap_or(last_rad);
@@ -204,14 +199,14 @@ impl List {
         turn
     }
 
-    /// The last turn; there are no more rows.
-    pub(super) fn end(&mut self) -> Option<(Seen, Row)> {
-        self.is_over = true;
-        self.turn()
+    /// The next row is the first.
+    pub(super) fn restart(&mut self) {
+        self.rows.clear();
+        (self.turns, self.short, self.sizes) = (0, 0, [0; 2]);
     }
 
     /// The turn of the rows that were taken; `None` if it is one that is left out.
-    fn turn(&mut self) -> Option<(Seen, Row)> {
+    pub(super) fn turn(&mut self) -> Option<(Seen, Row)> {
         let rows = std::mem::take(&mut self.rows);
         let first = *rows.first()?;
         if (rows.len() as f64) < LEAST_SHARE * self.usual as f64 {

@@ -23,6 +23,8 @@ use crate::{Found, IngestError};
 
 /// The only channel; of a list of points, its clouds.
 const SCANS: ChannelId = 0;
+/// What a row of a list that cannot be read is lost of: it is no message.
+const ROWS: ChannelId = 1;
 /// This many rows show what the columns hold; less, if they take more than that.
 const SAMPLED_ROWS: usize = 64;
 const SAMPLED_BYTES: usize = 16 << 20;
@@ -275,26 +277,25 @@ impl LineFormat for Table {
     }
 
     fn read(&mut self, line: &Line, out: &mut VecDeque<Message>) -> Result<(), (ChannelId, String)> {
+        match &mut self.list {
+            Some(list) if line.number == self.first_row => list.restart(),
+            Some(list) if line.number == Line::END => {
+                let last = list.turn();
+                out.extend(last.map(|turn| self.message(turn)));
+            }
+            _ => {}
+        }
         let is_row = line.number >= self.first_row && !line.text.trim().is_empty() && !is_comment(&line.text);
         if !is_row || self.header.as_ref() == Some(&line.text) {
             return Ok(());
         }
         if self.list.is_some() {
-            out.extend(self.take_row(line).map_err(|cause| (SCANS, cause))?);
+            out.extend(self.take_row(line).map_err(|cause| (ROWS, cause))?);
             return Ok(());
         }
         let (scan, log_time_ns) = self.scan(line).map_err(|cause| (SCANS, cause))?;
         out.push_back(Message { channel: SCANS, log_time_ns, data: scan.encode(Endian::Little), damage: None });
         Ok(())
-    }
-
-    fn has_message_per_line(&self) -> bool {
-        self.list.is_none()
-    }
-
-    fn end(&mut self, out: &mut VecDeque<Message>) {
-        let last = self.list.as_mut().and_then(List::end);
-        out.extend(last.map(|turn| self.message(turn)));
     }
 }
 
