@@ -165,8 +165,8 @@ impl fmt::Display for Found {
                  lidar, or they show no angle that goes round; name its columns: --set csv.columns=angle,distance"
             }
             Self::PointTable => {
-                "its rows may be points, but they are too few, or places of a vehicle on its way; where they are what a \
-                 lidar saw, name their columns: --set csv.columns=x,y, or x,y,turn"
+                "its rows may be points, but they are too few, or places of a vehicle on its way; where they are what \
+                 a lidar saw, name their columns: --set csv.columns=x,y, or x,y,turn"
             }
             Self::OtherTable(columns) if columns.is_empty() => {
                 "it is a table without ranges; a table of ranges has a scan a row: time, r0, r1, ..."

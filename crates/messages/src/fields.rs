@@ -93,8 +93,8 @@ impl<'a> Fields<'a> {
         Ok(Self { message, at: CDR_HEADER_BYTES, layout, endian, origin: CDR_HEADER_BYTES })
     }
 
-    /// The fields of a ROS 2 message whose writer counts alignment from the start of the encapsulation header, as RTI Connext
-    /// Micro does.
+    /// The fields of a ROS 2 message whose writer counts alignment from the start of the encapsulation header, as RTI
+    /// Connext Micro does.
     ///
     /// # Errors
     /// As [`Fields::cdr`].

@@ -20,8 +20,8 @@ fn is_ros(encoding: &str) -> bool {
     [CDR_ENCODING, ROS1_ENCODING].contains(&encoding)
 }
 
-/// Reads a message in the encoding of ROS 1, or in CDR. One in CDR that is not sound is tried with the alignment of writers that
-/// count it from the start of the message: a quaternion of length 1 tells which it is.
+/// Reads a message in the encoding of ROS 1, or in CDR. One in CDR that is not sound is tried with the alignment of
+/// writers that count it from the start of the message: a quaternion of length 1 tells which it is.
 ///
 /// # Errors
 /// When the bytes are no such message.

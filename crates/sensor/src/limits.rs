@@ -20,7 +20,8 @@ const CODE_BEAMS_APART: usize = 5;
 const COARSE_SHARE: f64 = 0.05;
 const ELSEWHERE_SHARE: f64 = 0.1;
 
-/// A limit below this share of the ranges, by more than the second share, is none, if they are no codes: so many different ones.
+/// A limit below this share of the ranges, by more than the second share, is none, if they are no codes: so many
+/// different ones.
 const BELOW_SHARE: f64 = 0.95;
 const BELOW_BY: f64 = 1.05;
 const LEAST_DIFFERENT: usize = 10;

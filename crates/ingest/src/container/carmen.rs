@@ -201,8 +201,8 @@ impl Carmen {
         }
     }
 
-    /// A scan without its stamp, the pose of the vehicle by its odometry (x, y in metres and yaw in radians), and the time that
-    /// the line states.
+    /// A scan without its stamp, the pose of the vehicle by its odometry (x, y in metres and yaw in radians), and the
+    /// time that the line states.
     fn laser_line(&self, word: &str, words: &mut Words) -> Result<(LaserScan, Option<[f64; 3]>, u64), Cause> {
         let is_plain = word == "FLASER" || word == "RLASER";
         let mut scan = LaserScan::default();

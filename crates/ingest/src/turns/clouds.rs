@@ -12,7 +12,8 @@ use super::turn::Turn;
 
 /// The sectors of a turn, which a cloud shows or not.
 const SECTORS: usize = 72;
-/// Clouds of a turn show this many of them at least, and a part of it no more than the second number, and no fewer than the third.
+/// Clouds of a turn show this many of them at least, and a part of it no more than the second number, and no fewer than
+/// the third.
 const LEAST_SHOWN: usize = 54;
 const MOST_OF_PART: usize = 54;
 const LEAST_OF_PART: usize = 6;

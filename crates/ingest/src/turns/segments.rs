@@ -291,8 +291,8 @@ impl Numbers {
     }
 }
 
-/// The first message of each turn but the first, of messages in any order that show these of all places each; `None` if these are no
-/// parts of turns.
+/// The first message of each turn but the first, of messages in any order that show these of all places each; `None` if
+/// these are no parts of turns.
 pub(super) fn firsts(parts: &[Vec<usize>], places: usize) -> Option<Vec<usize>> {
     let (mut is_there, mut is_ever_there) = (vec![false; places], vec![false; places]);
     let (mut firsts, mut shown) = (Vec::new(), Vec::new());

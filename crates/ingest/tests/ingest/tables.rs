@@ -208,7 +208,8 @@ fn tables_without_ranges_are_named() {
     }
 }
 
-/// A list of turns of a tunnel: an angle in degrees and a distance in millimetres, of which some are left out in each turn.
+/// A list of turns of a tunnel: an angle in degrees and a distance in millimetres, of which some are left out in each
+/// turn.
 fn list(turns: usize, row: impl Fn(usize, f64, f64) -> String) -> String {
     let of_turn = |turn: usize| (0..360).filter(move |i| (i * 7 + turn * 3) % 11 > 0).map(move |i| (turn, i as f64));
     let range = |deg: f64| (1.6 / deg.to_radians().sin().abs()).min(9.0);

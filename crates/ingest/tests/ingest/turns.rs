@@ -184,8 +184,8 @@ fn a_sector_that_returns_after_all_is_in_view_again() {
     assert!(unknown[110..].iter().all(|&(count, _)| count == 0));
 }
 
-/// Parts of turns of a motor that runs unevenly: each has its own increment and number of beams, and they go on where the last
-/// one ends. The range of each beam is that of its bearing.
+/// Parts of turns of a motor that runs unevenly: each has its own increment and number of beams, and they go on where
+/// the last one ends. The range of each beam is that of its bearing.
 fn uneven(turns: f32, direction: f32) -> Vec<Record> {
     let (mut records, mut travel) = (Vec::new(), 0.0f32);
     while travel < turns * TAU {

@@ -88,10 +88,11 @@ const EVEN: f64 = 0.05;
 const LARGEST_RAD: f64 = 6.4;
 const LARGEST_DEG: f64 = 361.0;
 
-/// A scan is taken this many ns after the one before at the most: a column by which it takes longer counts another unit.
+/// A scan is taken this many ns after the one before at the most: a column by which it takes longer counts another
+/// unit.
 const LONGEST_NS: f64 = 30.0 * NS_PER_S;
-/// The row of a list is taken so many ns after the one before. A lidar takes points faster than one in the second time: places that
-/// are farther apart are a way.
+/// The row of a list is taken so many ns after the one before. A lidar takes points faster than one in the second time:
+/// places that are farther apart are a way.
 const LONGEST_ROW_NS: f64 = 0.1 * NS_PER_S;
 const SLOW_NS: f64 = 0.005 * NS_PER_S;
 /// Times that leap by more are not believed where another column tells the time.
@@ -451,8 +452,8 @@ fn bearings_rad(bearings: &[f64]) -> Option<[f64; 2]> {
     (is_even && is_turn && !is_count).then_some([first * to_rad, last * to_rad])
 }
 
-/// Nanoseconds in the unit of times without a stated one: that by which they are nearest to a time that is known; else they lie
-/// in this century or are in seconds, unless a scan would take too long by that.
+/// Nanoseconds in the unit of times without a stated one: that by which they are nearest to a time that is known; else
+/// they lie in this century or are in seconds, unless a scan would take too long by that.
 fn unit_ns(mut times: impl Iterator<Item = f64> + Clone, known_ns: Option<f64>, longest_ns: f64) -> f64 {
     let steps = times.clone().zip(times.clone().skip(1)).map(|(before, after)| after - before);
     let step = usual(steps.filter(|step| *step > 0.0).collect()).unwrap_or(0.0);
@@ -468,7 +469,8 @@ fn unit_ns(mut times: impl Iterator<Item = f64> + Clone, known_ns: Option<f64>, 
     smaller.into_iter().find(fits).unwrap_or(by_size)
 }
 
-/// Names of this many columns, as a pattern gives them: a `*` in a name stands for the numbers from 0 on that the others leave.
+/// Names of this many columns, as a pattern gives them: a `*` in a name stands for the numbers from 0 on that the
+/// others leave.
 fn expanded(pattern: &str, columns: usize) -> Vec<String> {
     let names: Vec<&str> = pattern.split(',').map(str::trim).collect();
     let left = (columns + 1).saturating_sub(names.len());

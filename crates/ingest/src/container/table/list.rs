@@ -1,6 +1,7 @@
-//! Lists: a return a row, by an angle and a distance, or by x and y. Rows are joined to turns: a new one begins where the angle
-//! jumps back, or where the column that numbers the turns changes. The angles of a turn need not be even, nor those of another
-//! turn: its beams are as far apart as rows usually are, and each sees the distance of the row nearest to its middle.
+//! Lists: a return a row, by an angle and a distance, or by x and y. Rows are joined to turns: a new one begins where
+//! the angle jumps back, or where the column that numbers the turns changes. The angles of a turn need not be even, nor
+//! those of another turn: its beams are as far apart as rows usually are, and each sees the distance of the row nearest
+//! to its middle.
 
 use std::f64::consts::{PI, TAU};
 
@@ -305,7 +306,8 @@ impl List {
     }
 }
 
-/// Whether numbers are the angles of a lidar that turns: they go one way in about even steps; and whether they jump back.
+/// Whether numbers are the angles of a lidar that turns: they go one way in about even steps; and whether they jump
+/// back.
 fn is_angle(angles: &[f64]) -> Option<bool> {
     let [least, most] = angles.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(*v), b.max(*v)]);
     let (span, largest) = (most - least, most.abs().max(least.abs()));

@@ -1,5 +1,6 @@
-//! Tables of ranges, such as CSV: one scan a row, or one return a row ([`list`]). What its columns hold is known by their names
-//! ([`layout`]), which `csv.columns` gives where the table does not; where its beams look, settings say where no column does.
+//! Tables of ranges, such as CSV: one scan a row, or one return a row ([`list`]). What its columns hold is known by
+//! their names ([`layout`]), which `csv.columns` gives where the table does not; where its beams look, settings say
+//! where no column does.
 
 mod layout;
 mod list;
