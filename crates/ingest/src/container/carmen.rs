@@ -62,6 +62,8 @@ pub(super) struct Carmen {
 }
 
 const NS_PER_S: f64 = 1e9;
+/// The largest second of a stamp.
+const LARGEST_NS: u64 = i32::MAX as u64 * 1_000_000_000;
 
 /// What gives a line its time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -194,9 +196,8 @@ impl Carmen {
             TimedBy::Logger => words.words.nth(1).and_then(nanoseconds).unwrap_or(time_ns),
             TimedBy::Count => {
                 let since_ns = (counted() as f64 * NS_PER_S / self.rate_hz).round() as u64;
-                let stated_ns = self.first_ns.unwrap_or(0).saturating_add(since_ns);
-                // A time that no stamp can hold is no beginning.
-                Time::from_ns(stated_ns).to_ns().filter(|ns| *ns == stated_ns).unwrap_or(since_ns)
+                // A time beyond those that a stamp can hold is no beginning.
+                self.first_ns.filter(|ns| *ns < LARGEST_NS).unwrap_or(0).saturating_add(since_ns)
             }
         }
     }

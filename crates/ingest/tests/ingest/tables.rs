@@ -245,6 +245,10 @@ fn lists_of_angles_and_distances_are_turns() {
             );
         }
     }
+    let swing = |turn: usize, i: i32| if turn % 2 == 0 { i } else { -i };
+    let row = |(turn, i): (usize, i32)| format!("{},{}\n", swing(turn, i), 2 + (i - 20).abs() / 9);
+    let swings = (0..6).flat_map(|turn| (-60..=60).map(move |i| (turn, i))).map(row).collect::<String>();
+    assert_eq!(scans(&format!("angle,distance_m\n{swings}")).len(), 6, "a sensor that swings");
     let stamped =
         list(3, |turn, deg, m| format!("{},{deg},{m}", 1_700_000_000_000 + turn as u64 * 100 + deg as u64 / 4));
     let read = scans(&format!("timestamp,angle,distance\n{stamped}"));

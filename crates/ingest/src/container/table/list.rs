@@ -54,6 +54,8 @@ pub(super) struct List {
     direction: f64,
     /// Where turns begin, if it is not where angles jump back by themselves, rad.
     seam_rad: Option<f64>,
+    /// The sensor swings: a turn begins where the angle turns back.
+    swings: bool,
     /// An angle that goes back by more than this begins a turn, rad; `None` if it does not.
     jump_rad: Option<f64>,
     /// Where the first beam looks, and from beam to beam, in the direction of the list.
@@ -76,7 +78,16 @@ pub(super) struct Row {
     values: [f64; 3],
     turn: f64,
     angle_rad: f64,
+    /// 1 where the angle rises towards this row, -1 where it falls, 0 of the first.
+    way: f64,
     pub(super) times_ns: [Option<u64>; 2],
+}
+
+impl Row {
+    fn way_after(&self, before: &Self) -> f64 {
+        let step_rad = self.angle_rad - before.angle_rad;
+        if step_rad == 0.0 { before.way } else { step_rad.signum() }
+    }
 }
 
 /// A turn of a list, without its stamp.
@@ -157,6 +168,10 @@ impl List {
         let goes_one_way = up.max(usual - up) as f64 >= ONE_WAY_SHARE * usual as f64;
         let has_jumps = self.columns.turn.is_none() && goes_one_way && rows.len() > LEAST_ROWS * jumps;
         self.jump_rad = has_jumps.then_some(0.5 * span_rad);
+        (1..rows.len()).for_each(|at| rows[at].way = rows[at].way_after(&rows[at - 1]));
+        let reversals = rows.windows(2).filter(|pair| pair[0].way * pair[1].way < 0.0).count();
+        let is_free = self.columns.turn.is_none() && !self.columns.are_points && !goes_one_way;
+        self.swings = is_free && rows.len() > LEAST_ROWS * reversals;
         let (mut gaps, mut sizes) = (Vec::new(), Vec::new());
         for turn in rows.chunk_by(|before, row| !self.begins(before, row)) {
             let mut angles: Vec<f64> = turn.iter().map(|row| row.angle_rad).collect();
@@ -186,7 +201,8 @@ impl List {
 
     fn begins(&self, before: &Row, row: &Row) -> bool {
         let goes_back_rad = self.direction * (before.angle_rad - row.angle_rad);
-        before.turn != row.turn || self.jump_rad.is_some_and(|jump_rad| goes_back_rad > jump_rad)
+        let turns_back = self.swings && before.way * row.way < 0.0;
+        before.turn != row.turn || turns_back || self.jump_rad.is_some_and(|jump_rad| goes_back_rad > jump_rad)
     }
 
     /// Takes a row; gives the turn before it, with its first row and the time that it took, if this one begins another.
@@ -194,6 +210,7 @@ impl List {
         let mut row = Row { times_ns, ..Self::row(&self.columns, value) };
         let last_rad = self.rows.last().map_or(0.0, |last| last.angle_rad);
         row.angle_rad = self.angle_rad(&row).unwrap_or(last_rad);
+        row.way = self.rows.last().map_or(0.0, |last| row.way_after(last));
         let is_next = self.rows.last().is_some_and(|last| self.begins(last, &row)) || self.rows.len() >= MOST_ROWS;
         let turn = if is_next { self.turn() } else { None };
         self.rows.push(row);
