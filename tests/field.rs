@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde_json::Value;
 
-use crate::program::{Ran, crosscut, results_of, root};
+use crate::program::{Ran, crosscut, results_of, root, run};
 
 /// A case; a note is printed where it is absent.
 fn case(name: &str) -> Option<PathBuf> {
@@ -88,4 +88,86 @@ fn undoing_the_turn_is_no_worse_than_leaving_it() {
         let (with, without) = (right(&[]), right(&["--set", "ingest.deskew=false"]));
         assert!(with >= without, "{name}: {with} with, {without} without");
     }
+}
+
+fn of(lines: &[Value], holds: impl Fn(&Value) -> bool) -> usize {
+    lines.iter().filter(|line| holds(line)).count()
+}
+
+fn end_m(lines: &[Value]) -> f64 {
+    lines.last().and_then(|line| line["pose"]["x_m"].as_f64()).expect("a pose")
+}
+
+#[test]
+fn names_and_units_that_only_look_like_those_meant_are_not_taken() {
+    if let Some(path) = case("R01-carmen-parameter/parameters.clf") {
+        let (_, lines) = results_of(&path, &[]);
+        assert_eq!(of(&lines, |line| line["returns"] == 181), lines.len());
+    }
+    let (Some(one), Some(nested)) =
+        (case("R04-header-levels/one_level.csv"), case("R04-header-levels/nested_levels.csv"))
+    else {
+        return;
+    };
+    let [one, nested] = [one, nested].map(|path| results_of(&path, &[]).1);
+    assert!(one.iter().zip(&nested).all(|(one, nested)| {
+        ["stamp_ns", "junctions", "pose", "place", "labels"].iter().all(|field| one[field] == nested[field])
+    }));
+    let Some(path) = case("U07-time-of-simulation/topic.csv") else { return };
+    let (_, lines) = results_of(&path, &[]);
+    let stamps = [&lines[0], lines.last().expect("some")].map(|line| line["stamp_ns"].as_u64().expect("a stamp"));
+    assert_eq!(stamps, [112_439_000_000, 120_239_000_000]);
+}
+
+#[test]
+fn odometry_in_the_line_of_a_scan_needs_no_stamp() {
+    let Some(path) = case("R02-no-stamps/zero.clf") else { return };
+    let (_, lines) = results_of(&path, &[]);
+    assert!((end_m(&lines) - 14.75).abs() < 0.02, "{}", end_m(&lines));
+}
+
+#[test]
+fn lists_of_returns_are_turns() {
+    for (name, turns) in [("varying_beams", 12), ("clockwise_rad", 8)] {
+        let Some(path) = case(&format!("U11-list-of-angle-and-distance/{name}.csv")) else { return };
+        let (_, lines) = results_of(&path, &[]);
+        assert_eq!((lines.len(), of(&lines, |line| line["returns"].as_u64() > Some(60))), (turns, turns), "{name}");
+    }
+    let Some(path) = case("U12-table-of-x-and-y/xy_mm.csv") else { return };
+    let (_, lines) = results_of(&path, &[]);
+    assert_eq!((lines.len(), &lines[0]["place"]), (1, &Value::from("tee")));
+    let Some(path) = case("U13-label-column/label_last.csv") else { return };
+    let info = run(["info", path.to_str().expect("UTF-8"), "--set", "csv.last_rad=6.2657"]).stdout;
+    assert!(info.contains("column 361 (words) is not used"), "{info}");
+}
+
+#[test]
+fn packets_of_uneven_motors_are_joined() {
+    for name in ["constant", "jitter_0.1pct", "ramp", "slow_4pct"] {
+        let Some(path) = case(&format!("U15-packets-of-varying-rate/{name}.mcap")) else { return };
+        let (_, lines) = results_of(&path, &[]);
+        let tees = of(&lines, |line| line["place"] == "tee");
+        assert!((14..=16).contains(&lines.len()) && tees + 2 >= lines.len(), "{name}: {tees} of {}", lines.len());
+    }
+}
+
+#[test]
+fn odometry_of_another_alignment_is_read() {
+    for name in ["aligned", "connext_micro"] {
+        let Some(path) = case(&format!("U10-odometry-unreadable/{name}.mcap")) else { return };
+        assert!((end_m(&results_of(&path, &[]).1) - 5.9).abs() < 0.02, "{name}");
+    }
+}
+
+#[test]
+fn a_slice_without_returns_says_where_the_points_are() {
+    let Some(path) = case("U14-cloud-above-the-slice/cloud.mcap") else { return };
+    assert!(has_note(&results_of(&path, &[]).1, "by vehicle.height_m"));
+}
+
+#[test]
+fn noise_that_is_cut_off_at_the_limit_is_no_return() {
+    let Some(path) = case("U01-clipped-noise/empty.mcap") else { return };
+    let (_, lines) = results_of(&path, &[]);
+    assert_eq!(of(&lines, |line| line["junctions"] == 0 && line["returns"].as_u64() < Some(4)), lines.len());
 }

@@ -13,6 +13,8 @@ const DAY_NS: u64 = 24 * 3600 * NS_PER_S;
 const SPANS: u64 = 10;
 /// A clock that shows 0 has just started if other times are within this.
 const START_NS: u64 = 60 * NS_PER_S;
+/// So many stamps that are the same, while the times of recording rise, are those of a clock that stands.
+const STANDING: usize = 8;
 
 /// Time of recording and stamp of a scan; the stamp is 0 if there is none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,6 +34,8 @@ pub(crate) struct Clock {
     offset_ns: Option<i128>,
     /// Whether all times of recording that were seen are believed.
     all_believed: bool,
+    /// Whether stamps stand still, so that none is believed.
+    stands: bool,
 }
 
 impl Clock {
@@ -48,9 +52,12 @@ impl Clock {
         let starts_at_0 = after_0.is_none_or(|ns| ns <= START_NS);
         let low = if starts_at_0 { low } else { low.max(1) };
         let start_ns = log_ns.iter().copied().find(|ns| *ns >= low && is_near(ns)).unwrap_or(0);
-        let mut clock = Self { believed_ns: [low, high], start_ns, offset_ns: None, all_believed: true };
+        let stands = first.len() >= STANDING
+            && first[0].stamp_ns > 0
+            && first.windows(2).all(|pair| pair[0].stamp_ns == pair[1].stamp_ns && pair[0].log_ns < pair[1].log_ns);
+        let mut clock = Self { believed_ns: [low, high], start_ns, offset_ns: None, all_believed: true, stands };
         clock.all_believed = log_ns.iter().all(|ns| clock.believes(*ns));
-        let both = first.iter().filter(|times| times.stamp_ns > 0 && clock.believes(times.log_ns));
+        let both = first.iter().filter(|times| !stands && times.stamp_ns > 0 && clock.believes(times.log_ns));
         let mut offsets: Vec<i128> = both.map(|times| i128::from(times.log_ns) - i128::from(times.stamp_ns)).collect();
         offsets.sort_unstable();
         clock.offset_ns = offsets.get(offsets.len() / 2).copied();
@@ -97,6 +104,9 @@ impl Clock {
         let by_recording = if self.of_two_clocks() { u64::try_from(expected).unwrap_or(0) } else { recorded_ns };
         match stamp_ns {
             0 if has_started => (0, None),
+            _ if self.stands && stamp_ns > 0 => {
+                (recorded_ns, Some((N049, "the stamps stand still: the time of recording is used")))
+            }
             0 => (by_recording, Some((N049, "no stamp: the time of recording is used"))),
             _ if is_off && self.offset_ns.is_some() => {
                 (by_recording, Some((N057, "the stamp is more than a day off: the time of recording is used")))
@@ -162,6 +172,13 @@ mod tests {
             assert_eq!(recorded(&clock, log_ns, stamp_ns), (stamp_ns, stamp_ns));
         }
         assert_eq!(clock.start_ns(), T0);
+    }
+
+    #[test]
+    fn stamps_that_stand_still_are_not_believed() {
+        let times: Vec<[u64; 2]> = (0..10).map(|i| [T0 + i * 100, 7]).collect();
+        assert_eq!(recorded(&clock(&times), T0 + 500, 7), (T0 + 500, T0 + 500));
+        assert_eq!(recorded(&clock(&times[..5]), T0 + 500, 7).1, 7, "too few");
     }
 
     #[test]

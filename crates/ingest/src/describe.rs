@@ -17,6 +17,8 @@ const NS_PER_S: f64 = 1e9;
 
 /// At least this many revolutions of a topic are looked at, and as many as show its parts of turns and blind sectors.
 const SCANS_SAMPLED: usize = 50;
+/// Fewer clouds, once so many bytes of them were.
+const BYTES_SAMPLED: usize = 16 << 20;
 
 /// What is in one file.
 #[derive(Clone, Debug, PartialEq)]
@@ -137,8 +139,10 @@ fn describe_first(
 ) -> Option<ScanDescription> {
     decoder.echo = sensor.echo();
     let mut turns = Turns::new(!decoder.gives_clouds(), sensor.finds_blind_sectors());
-    let (mut sample, mut seq) = (Sample::default(), 0);
-    while sample.scans < SCANS_SAMPLED || !turns.is_settled() {
+    turns = if decoder.gives_clouds() { turns.limited(BYTES_SAMPLED as u64) } else { turns };
+    let (mut sample, mut seq, mut bytes) = (Sample::default(), 0, 0);
+    let is_enough = |sample: &Sample, bytes: usize| sample.scans > 0 && bytes > BYTES_SAMPLED;
+    while (sample.scans < SCANS_SAMPLED && !is_enough(&sample, bytes)) || !turns.is_settled() {
         let message = reader.next();
         for loss in reader.take_losses() {
             if !losses.contains(&loss) {
@@ -156,6 +160,7 @@ fn describe_first(
             losses.push(Loss { file: reader.contents().path.clone(), kind });
             break;
         }
+        bytes += if decoder.gives_clouds() { message.data.len() } else { 0 };
         if sensor.frame_id().is_none_or(|wanted| wanted == scan.header().frame_id) {
             turns.push(Turn { scan: Ok(scan), ..Turn::new(seq, 0) }, sensor);
             sample.take(&mut turns, sensor);

@@ -16,9 +16,9 @@ pub enum Found {
     CompressedTwice,
     /// Another kind of file: what it is, and what to do.
     Known(&'static str),
-    /// A return a row, by its angle and its distance.
+    /// A return a row, by its angle and its distance, that make no turn.
     AngleTable,
-    /// A point a row.
+    /// A point a row, that make no turn.
     PointTable,
     /// The columns of a table that has no ranges; empty without names.
     OtherTable(String),
@@ -161,13 +161,12 @@ impl fmt::Display for Found {
             Self::CompressedTwice => "it is compressed twice; decompress it first, once: `zstd -d FILE`, `lz4 -d`, `bunzip2`",
             Self::Known(kind) => kind,
             Self::AngleTable => {
-                "it is a table with an angle and a distance in each row; a table of ranges has a scan a row: write the \
-                 distances of each turn, by angle, into one row, and give the bearings of the first and the last one \
-                 (docs/recordings.md has the lines of Python that do it)"
+                "it may be a list with an angle and a distance in each row, but it has too few rows to be a turn of a \
+                 lidar, or they show no angle that goes round; name its columns: --set csv.columns=angle,distance"
             }
             Self::PointTable => {
-                "its rows are points, not the ranges of scans; save the points of each turn as a PLY or PCD of its own, \
-                 and give their folder"
+                "its rows may be points, but they are too few, or places of a vehicle on its way; where they are what \
+                 a lidar saw, name their columns: --set csv.columns=x,y, or x,y,turn"
             }
             Self::OtherTable(columns) if columns.is_empty() => {
                 "it is a table without ranges; a table of ranges has a scan a row: time, r0, r1, ..."
@@ -176,7 +175,8 @@ impl fmt::Display for Found {
                 return write!(
                     f,
                     "it is a table with the columns {columns}, of which none are known to be ranges; where it has a scan a \
-                     row, say which they are: --set csv.columns=time,r*"
+                     row, say which they are: --set csv.columns=time,r*; where it has a return a row: \
+                     --set csv.columns=time,angle,distance"
                 );
             }
             Self::ShortenedEcho => {

@@ -1,10 +1,10 @@
 //! Recordings to revolutions.
 //!
-//! In: recordings, whole or damaged (MCAP, bags of ROS 1 and rosbag2, CARMEN logs, tables of ranges, PCD, PLY), with
-//! scans or clouds of any type that [`ScanDecoder`](crosscut_messages::ScanDecoder) knows.
-//! Out: one [`Revolution`](crosscut_stage::Revolution) for each scan message, empty ones too: n returns in the
-//! body frame (metres; x forward, y left) in message beam order, and what every beam saw. Everything that was turned,
-//! left out, repaired or replaced is a note on its revolution; everything that could not be read is a [`Loss`].
+//! In: recordings, whole or damaged (MCAP, bags of ROS 1 and rosbag2, CARMEN logs, tables of ranges, lists of returns,
+//! PCD, PLY), with scans or clouds of any type that [`ScanDecoder`](crosscut_messages::ScanDecoder) knows. Out: one
+//! [`Revolution`](crosscut_stage::Revolution) for each scan message, empty ones too: n returns in the body frame
+//! (metres; x forward, y left) in message beam order, and what every beam saw. Everything that was turned, left out,
+//! repaired or replaced is a note on its revolution; everything that could not be read is a [`Loss`].
 //!
 //! - [`Recording`] reads the scans of a flight, from one file or several, as a [`Source`](crosscut_stage::Source); also from files
 //!   that are still being written, standard input, and a live robot by its [`Feed`].
@@ -39,8 +39,10 @@
 //! If no scan at all can be decoded, nothing is given: the source fails.
 //!
 //! # Turns
-//! Messages that are parts of a turn, each beginning where the one before ends, are joined into one revolution; `seq`
-//! then counts revolutions, and a note gives the number of messages. What cannot be joined is noted.
+//! Messages that are parts of a turn, each beginning where the one before ends, or in any order until one comes again,
+//! are joined into one revolution by their bearings, also where these are not even; `seq` then counts revolutions, and
+//! a note gives the number of messages. What cannot be joined is noted. Of a list of returns, the rows of a turn are
+//! one scan.
 //!
 //! # Several scanners
 //! Scans of several topics ([`ReadOptions::beside`]) become one revolution in the nearest frame in which all scanners lie

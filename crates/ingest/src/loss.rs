@@ -71,6 +71,14 @@ pub enum LossKind {
         /// What is wrong with the first one.
         cause: DecodeError,
     },
+    /// Odometry of which nothing is of use.
+    #[error("no message of {topic} can be used: {cause}")]
+    NoneUsable {
+        /// Topic of the odometry.
+        topic: String,
+        /// What is wrong with its first message.
+        cause: DecodeError,
+    },
     /// Lines of a text file that cannot be read.
     #[error("{} cannot be read, the first is number {first}: {cause}", counted(*count, "line"))]
     Lines {

@@ -16,6 +16,9 @@ const AHEAD_NS: u64 = 2_000_000_000;
 /// This many poses are read ahead at most, where the times of recording are of no use.
 const MOST_AHEAD: usize = 100_000;
 
+/// A stamp that comes so often in a row stands still.
+const STANDING: u32 = 3;
+
 /// Gives the pose of the vehicle at the time of each scan.
 pub(crate) struct OdometryReader {
     topic: TopicInfo,
@@ -26,6 +29,10 @@ pub(crate) struct OdometryReader {
     poses: Odometry,
     /// How many messages cannot be read, and why the first cannot.
     unreadable: Option<(u64, DecodeError)>,
+    any_read: bool,
+    last_stamp_ns: Option<u64>,
+    /// How often that came in a row.
+    same_stamps: u32,
 }
 
 impl OdometryReader {
@@ -48,7 +55,17 @@ impl OdometryReader {
         });
         let has_topic = |contents: &&Contents| reader.is_none() && !topic.channels_in(contents).is_empty();
         let files = contents().filter(has_topic).cloned().collect();
-        Some(Self { topic, csv: csv.clone(), files, reader, poses: Odometry::default(), unreadable: None })
+        Some(Self {
+            topic,
+            csv: csv.clone(),
+            files,
+            reader,
+            poses: Odometry::default(),
+            unreadable: None,
+            any_read: false,
+            last_stamp_ns: None,
+            same_stamps: 0,
+        })
     }
 
     /// The poses at the first and last of `stamps_ns`, which are times of a scan that was recorded at `recorded_ns`. Scans are
@@ -64,7 +81,12 @@ impl OdometryReader {
             let log_time_ns = message.log_time_ns;
             match pose_in(self.topic.has_odometry(), &self.topic.encoding, &message.data) {
                 Ok(Some((pose_ns, pose))) => {
-                    self.poses.push(if pose_ns == 0 { log_time_ns } else { pose_ns }, pose);
+                    self.any_read = true;
+                    // A stamp that is missing, or stands still, is replaced as that of a scan.
+                    let is_same = self.last_stamp_ns.replace(pose_ns) == Some(pose_ns);
+                    self.same_stamps = if is_same { self.same_stamps + 1 } else { 0 };
+                    let stands = self.same_stamps >= STANDING;
+                    self.poses.push(if pose_ns == 0 || stands { log_time_ns } else { pose_ns }, pose);
                 }
                 Ok(None) => {}
                 Err(cause) => self.unreadable.get_or_insert((0, cause)).0 += 1,
@@ -83,6 +105,12 @@ impl OdometryReader {
     pub(crate) fn unreadable(&mut self) -> Option<LossKind> {
         let (count, cause) = self.unreadable.take()?;
         Some(LossKind::Messages { topic: self.topic.name.clone(), first_seq: 0, count, cause })
+    }
+
+    /// That none of those that were read can be used, if that is so.
+    pub(crate) fn unusable(&mut self) -> Option<LossKind> {
+        let (_, cause) = self.unreadable.take_if(|_| !self.any_read)?;
+        Some(LossKind::NoneUsable { topic: self.topic.name.clone(), cause })
     }
 
     /// The next message, from whichever file is at hand. A file that can no longer be opened has none.

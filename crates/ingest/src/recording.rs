@@ -465,10 +465,11 @@ impl Source for Recording {
             self.any_decoded |= turn.scan.is_ok();
             self.selected.push_back(turn);
         }
-        // Of files, odometry is read a second time, after whose end nobody asks.
-        if self.is_stream
-            && !self.is_waiting()
-            && let Some(kind) = self.odometry.as_mut().and_then(OdometryReader::unreadable)
+        // Of files, odometry is read a second time, and not to its end: a message that is lost there may be missing
+        // anyway.
+        let lost = if self.is_stream { OdometryReader::unreadable } else { OdometryReader::unusable };
+        if !self.is_waiting()
+            && let Some(kind) = self.odometry.as_mut().and_then(lost)
         {
             self.messages.lose_in_first(kind);
         }

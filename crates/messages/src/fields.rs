@@ -34,6 +34,8 @@ pub struct Fields<'a> {
     at: usize,
     layout: Layout,
     endian: Endian,
+    /// Where alignment is counted from.
+    origin: usize,
 }
 
 macro_rules! numbers {
@@ -88,12 +90,21 @@ impl<'a> Fields<'a> {
             0x07 | 0x11 => (Layout::Xcdr2, Endian::Little),
             _ => return Err(DecodeError::Encapsulation { id, name: encapsulation_name(id) }),
         };
-        Ok(Self { message, at: CDR_HEADER_BYTES, layout, endian })
+        Ok(Self { message, at: CDR_HEADER_BYTES, layout, endian, origin: CDR_HEADER_BYTES })
+    }
+
+    /// The fields of a ROS 2 message whose writer counts alignment from the start of the encapsulation header, as RTI
+    /// Connext Micro does.
+    ///
+    /// # Errors
+    /// As [`Fields::cdr`].
+    pub fn cdr_from_start(message: &'a [u8]) -> Result<Self, DecodeError> {
+        Ok(Self { origin: 0, ..Self::cdr(message)? })
     }
 
     /// The fields of a ROS 1 message.
     pub fn ros1(message: &'a [u8]) -> Self {
-        Self { message, at: 0, layout: Layout::Ros1, endian: Endian::Little }
+        Self { message, at: 0, layout: Layout::Ros1, endian: Endian::Little, origin: 0 }
     }
 
     /// Whether the message is of ROS 1, whose headers and times differ from those of ROS 2.
@@ -182,7 +193,7 @@ impl<'a> Fields<'a> {
             Layout::Xcdr1 => value_bytes,
             Layout::Xcdr2 => value_bytes.min(4),
         };
-        self.at = CDR_HEADER_BYTES + (self.at - CDR_HEADER_BYTES).next_multiple_of(alignment);
+        self.at = self.origin + (self.at - self.origin).next_multiple_of(alignment);
     }
 
     fn take(&mut self, field: &'static str, bytes: usize) -> Result<&'a [u8], DecodeError> {

@@ -21,6 +21,11 @@ pub trait Message: Serialize + Default {
     /// At the first field that cannot be read; `self` is then partly overwritten.
     fn read(&mut self, from: &mut Fields<'_>) -> Result<(), DecodeError>;
 
+    /// Whether it can be what was written: its quaternions have length 1.
+    fn is_sound(&self) -> bool {
+        true
+    }
+
     /// Reads a ROS 2 message, which begins with an encapsulation header, into `self`, keeping its buffers.
     ///
     /// # Errors

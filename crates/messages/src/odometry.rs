@@ -57,6 +57,10 @@ impl Message for Odometry {
     const SCHEMA_NAME: &'static str = "nav_msgs/msg/Odometry";
     const SCHEMA_TEXT: &'static str = schema::ODOMETRY;
 
+    fn is_sound(&self) -> bool {
+        self.pose.pose.orientation.is_unit()
+    }
+
     fn read(&mut self, from: &mut Fields<'_>) -> Result<(), DecodeError> {
         self.header.read(from)?;
         from.text("child_frame_id", &mut self.child_frame_id)?;

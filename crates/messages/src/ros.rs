@@ -1,6 +1,6 @@
 //! Messages of ROS that are no scans, in CDR as of ROS 2 or in the encoding of ROS 1.
 
-use crate::{CDR_ENCODING, DecodeError, Message, Odometry, ROS1_ENCODING, TfMessage, plain_type_name};
+use crate::{CDR_ENCODING, DecodeError, Fields, Message, Odometry, ROS1_ENCODING, TfMessage, plain_type_name};
 
 /// The type of transforms before tf2.
 const OLD_TF_TYPE: &str = "tf/tfMessage";
@@ -20,7 +20,8 @@ fn is_ros(encoding: &str) -> bool {
     [CDR_ENCODING, ROS1_ENCODING].contains(&encoding)
 }
 
-/// Reads a message in the encoding of ROS 1, or in CDR.
+/// Reads a message in the encoding of ROS 1, or in CDR. One in CDR that is not sound is tried with the alignment of
+/// writers that count it from the start of the message: a quaternion of length 1 tells which it is.
 ///
 /// # Errors
 /// When the bytes are no such message.
@@ -28,7 +29,16 @@ pub fn decode<M: Message>(encoding: &str, data: &[u8]) -> Result<M, DecodeError>
     let mut message = M::default();
     match encoding {
         ROS1_ENCODING => message.decode_ros1_into(data)?,
-        _ => message.decode_into(data)?,
+        _ => {
+            let usual = message.decode_into(data);
+            if usual.is_err() || !message.is_sound() {
+                let mut other = M::default();
+                if other.read(&mut Fields::cdr_from_start(data)?).is_ok() && other.is_sound() {
+                    return Ok(other);
+                }
+            }
+            usual?;
+        }
     }
     Ok(message)
 }

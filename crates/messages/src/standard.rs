@@ -95,6 +95,18 @@ impl Quaternion {
         Self { x: 0.0, y: 0.0, z, w }
     }
 
+    /// Its length.
+    pub fn length(&self) -> f64 {
+        let Self { x, y, z, w } = *self;
+        (x * x + y * y + z * z + w * w).sqrt()
+    }
+
+    /// Whether its length is 1, as that of a rotation.
+    pub(crate) fn is_unit(&self) -> bool {
+        const ROUNDING: f64 = 0.01;
+        (self.length() - 1.0).abs() <= ROUNDING
+    }
+
     /// The turn about z: the direction of the turned x axis in the x-y plane.
     pub fn yaw_rad(&self) -> f64 {
         let Self { x, y, z, w } = *self;

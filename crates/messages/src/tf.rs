@@ -47,6 +47,10 @@ impl Message for TfMessage {
     const SCHEMA_NAME: &'static str = "tf2_msgs/msg/TFMessage";
     const SCHEMA_TEXT: &'static str = schema::TF_MESSAGE;
 
+    fn is_sound(&self) -> bool {
+        self.transforms.iter().all(|one| one.transform.rotation.is_unit())
+    }
+
     fn read(&mut self, from: &mut Fields<'_>) -> Result<(), DecodeError> {
         let read = |from: &mut Fields<'_>, transform: &mut TransformStamped| transform.read(from);
         from.structures("transforms", TransformStamped::LEAST_BYTES, MOST_TRANSFORMS, &mut self.transforms, read)

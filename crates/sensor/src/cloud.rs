@@ -12,6 +12,8 @@ use crate::{Motion, Sensor};
 const LEAST_WAY_M: f64 = 0.05;
 /// See [`LEAST_WAY_M`], rad.
 const LEAST_TURN_RAD: f64 = 0.01;
+/// A cloud that shows the vehicle fewer returns is looked at for their heights.
+const LEAST_RETURNS: usize = 8;
 /// A sweep of more beams is levelled like a cloud: its neighbouring returns are closer than a range is exact.
 const MOST_BEAMS: usize = 4096;
 
@@ -38,6 +40,8 @@ impl Sensor {
         if beams.is_some_and(|beams| beams <= MOST_BEAMS) {
             return;
         }
+        let heights_m = out.points_m.iter().map(|point_m| point_m.z);
+        let [low_m, high_m] = heights_m.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], z| [a.min(z), b.max(z)]);
         let aside = view.level(out, self.vehicle_height_m, self.vehicle_width_m);
         let seen = out.sweep.get_or_insert_default();
         let [first_rad, step_rad, ..] = &mut seen.wire_geometry;
@@ -48,7 +52,17 @@ impl Sensor {
         }
         if aside > 0 {
             let aside = counted(aside as u64, "return");
-            notes.add(N063, format!("{aside} above or below the vehicle, or within it, ignored"));
+            let half_m = 0.5 * self.vehicle_height_m;
+            let heights = if out.len() < LEAST_RETURNS && (low_m > half_m || high_m < -half_m) {
+                format!(
+                    ": they are {low_m:.2} to {high_m:.2} m high, and the vehicle takes {:.2} to {half_m:.2} m, by \
+                     vehicle.height_m",
+                    -half_m
+                )
+            } else {
+                String::new()
+            };
+            notes.add(N063, format!("{aside} above or below the vehicle, or within it, ignored{heights}"));
         }
     }
 

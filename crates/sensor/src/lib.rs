@@ -20,7 +20,8 @@
 //! | 0, negative | no return | yes |
 //! | at or beyond `range_max` (1e-6 below it counts as at it) | no return | yes |
 //! | the largest below `range_max`, if 3 beams or more tell exactly it, two of them neighbours, or 5, and of the others, a tenth of all or more, 5 % at most tell the range of their neighbour | no return | yes |
-//! | within 0.5 % below `range_max`, if 8 beams or more are, 8 are at it, and most of those below are beside one at it: noise about the maximum | no return | yes |
+//! | within 0.5 % below `range_max`, or four standard deviations, if 8 beams or more are, 8 are at it, and most of those below are beside one at it: noise about the maximum, which half of those below show | no return | yes |
+//! | exactly 1 m beyond `range_max`, where other beams say otherwise that nothing came back: masked by a filter | unknown | yes |
 //! | beyond `max_range_m` of the configuration | no return | yes |
 //! | -∞, nearer than the sensor measures | unknown | yes |
 //! | below `range_min`, below `min_range_m` of the configuration, in a masked sector | unknown | yes |
@@ -37,6 +38,7 @@
 //! |---|---|
 //! | `range_max` 0, negative or NaN | no limit |
 //! | `range_max` infinite | no limit, no note |
+//! | `range_max` below 95 % of the ranges, ten different ones or more | no limit |
 //! | `range_max` not above `range_min` | neither is a limit |
 //! | `range_min` negative, infinite or NaN | 0 |
 //! | `angle_increment` negative | the sensor turns clockwise, no note |

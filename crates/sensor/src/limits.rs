@@ -1,5 +1,7 @@
 //! What a range means.
 
+use std::collections::BTreeSet;
+
 use crosscut_messages::LaserScan;
 use crosscut_stage::NoteCode::{N001, N002, N003, N004, N005, N006, N007, N008, N009, N010, N011, N012, N013, N029};
 use crosscut_stage::{Notes, counted};
@@ -18,6 +20,15 @@ const CODE_BEAMS_APART: usize = 5;
 const COARSE_SHARE: f64 = 0.05;
 const ELSEWHERE_SHARE: f64 = 0.1;
 
+/// A limit below this share of the ranges, by more than the second share, is none, if they are no codes: so many
+/// different ones.
+const BELOW_SHARE: f64 = 0.95;
+const BELOW_BY: f64 = 1.05;
+const LEAST_DIFFERENT: usize = 10;
+
+/// Filters write the limit and this many metres more into the beams that they mask.
+const MASKED_BEYOND_M: f32 = 1.0;
+
 /// Ranges within this share of `range_max` may be noise about it: simulators that add noise to every range cut off what is
 /// beyond the maximum, so half of the beams without a hit are at it and half below.
 const NOISE_SHARE: f64 = 0.005;
@@ -26,6 +37,11 @@ const NOISE_SHARE: f64 = 0.005;
 const BESIDE_MAX_SHARE: f64 = 0.5;
 /// There are at least this many of them, and as many at `range_max`.
 const NOISY_BEAMS: usize = 8;
+/// As many are below `range_max` as at it: half of those lie within this many standard deviations (a half normal
+/// distribution), all but a few within that many. Noise of more than this share of `range_max` is none.
+const MEDIAN_SIGMAS: f64 = 0.6745;
+const ALL_SIGMAS: f64 = 4.0;
+const MOST_NOISE_SHARE: f64 = 0.06;
 
 /// No wall of a tunnel is so far away: ranges like this are of another unit.
 const FAR_M: f64 = 500.0;
@@ -45,6 +61,7 @@ pub(crate) enum Reading {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Tally {
     pub(crate) masked: usize,
+    filtered: usize,
     zero: usize,
     negative: usize,
     too_near: usize,
@@ -64,6 +81,8 @@ pub(crate) struct RangeLimits {
     wire_min_m: f64,
     /// Infinite if the scan states none.
     wire_max_m: f64,
+    /// The range by which a filter says that nothing is known.
+    masked_m: Option<f64>,
     /// The range by which the scan says that nothing came back, if there is one.
     code_m: Option<f32>,
     /// Ranges beyond this are noise about `range_max`, by which the scan says that nothing came back; infinite if there is
@@ -94,11 +113,14 @@ impl RangeLimits {
                 ),
             );
             (wire_min_m, wire_max_m) = (0.0, f64::INFINITY);
+        } else if is_below_ranges(&scan.ranges, wire_max_m) {
+            notes.add(N012, format!("range_max {} m is below nearly all ranges: taken as no limit", scan.range_max));
+            wire_max_m = f64::INFINITY;
         }
         let code_m = code_m(&scan.ranges, (wire_max_m * (1.0 - ROUNDING)) as f32);
-        let noise_from_m = wire_max_m * (1.0 - NOISE_SHARE);
-        let noise_from_m = if is_noisy_at(&scan.ranges, wire_max_m) { noise_from_m } else { f64::INFINITY };
-        Self { wire_min_m, wire_max_m, code_m, noise_from_m, min_m, max_m }
+        let noise_from_m = noise_from_m(&scan.ranges, wire_max_m).unwrap_or(f64::INFINITY);
+        let masked_m = masked_m(&scan.ranges, wire_max_m as f32);
+        Self { wire_min_m, wire_max_m, masked_m, code_m, noise_from_m, min_m, max_m }
     }
 
     /// A beam without a return saw free space up to here.
@@ -116,6 +138,8 @@ impl RangeLimits {
             (&mut tally.zero, Reading::Nothing)
         } else if range_m < 0.0 {
             (&mut tally.negative, Reading::Nothing)
+        } else if self.masked_m == Some(range_m) {
+            (&mut tally.filtered, Reading::Unknown)
         } else if range_m >= self.wire_max_m * (1.0 - ROUNDING) {
             (&mut tally.at_wire_max, Reading::Nothing)
         } else if self.code_m.is_some_and(|code_m| range_m == f64::from(code_m)) {
@@ -146,6 +170,7 @@ impl RangeLimits {
             }
         };
         note(N001, tally.masked, "in masked sectors left out".to_owned());
+        note(N001, tally.filtered, format!("of {MASKED_BEYOND_M} m beyond range_max, as filters mask beams, left out"));
         note(N002, tally.zero, "of range 0 read as no return".to_owned());
         note(N003, tally.negative, "of negative range read as no return".to_owned());
         note(N004, tally.too_near, "of range -inf, too near to measure, left out".to_owned());
@@ -169,15 +194,38 @@ impl RangeLimits {
     }
 }
 
-/// Whether beams without a hit are told by ranges that scatter about `range_max` and are cut off there.
-fn is_noisy_at(ranges_m: &[f32], max_m: f64) -> bool {
+/// Whether nearly all ranges are beyond `max_m`, and no codes.
+fn is_below_ranges(ranges_m: &[f32], max_m: f64) -> bool {
+    let are_ranges = || ranges_m.iter().filter(|range_m| range_m.is_finite() && **range_m > 0.0);
+    let is_beyond = |range_m: &&f32| f64::from(**range_m) > BELOW_BY * max_m;
+    if max_m.is_infinite()
+        || (are_ranges().filter(is_beyond).count() as f64) < BELOW_SHARE * are_ranges().count() as f64
+    {
+        return false;
+    }
+    let different: BTreeSet<u32> = are_ranges().filter(is_beyond).map(|range_m| range_m.to_bits()).collect();
+    different.len() >= LEAST_DIFFERENT
+}
+
+/// The range by which a filter masks beams, if other beams say otherwise that nothing came back.
+fn masked_m(ranges_m: &[f32], max_m: f32) -> Option<f64> {
+    let masked_m = max_m + MASKED_BEYOND_M;
+    let is_nothing = |range_m: &f32| {
+        !range_m.is_finite() || *range_m == 0.0 || (f64::from(*range_m / max_m) - 1.0).abs() <= ROUNDING
+    };
+    let is_told = max_m.is_finite() && ranges_m.contains(&masked_m) && ranges_m.iter().any(is_nothing);
+    is_told.then_some(f64::from(masked_m))
+}
+
+/// From where on ranges scatter about `range_max`, and are cut off there, if beams without a hit are told so.
+fn noise_from_m(ranges_m: &[f32], max_m: f64) -> Option<f64> {
     let is_at_max = |range_m: f32| f64::from(range_m) >= max_m * (1.0 - ROUNDING) && range_m.is_finite();
     let is_just_below = |range_m: f32| {
         f64::from(range_m) > max_m * (1.0 - NOISE_SHARE) && f64::from(range_m) < max_m * (1.0 - ROUNDING)
     };
     let at_max = ranges_m.iter().filter(|&&range_m| is_at_max(range_m)).count();
     if max_m.is_infinite() || at_max < NOISY_BEAMS {
-        return false;
+        return None;
     }
     let n = ranges_m.len();
     let below = (0..n).filter(|&beam| is_just_below(ranges_m[beam]));
@@ -187,7 +235,16 @@ fn is_noisy_at(ranges_m: &[f32], max_m: f64) -> bool {
         beside_max +=
             usize::from([(beam + n - 1) % n, (beam + 1) % n].into_iter().any(|next| is_at_max(ranges_m[next])));
     }
-    noisy >= NOISY_BEAMS && beside_max as f64 >= BESIDE_MAX_SHARE * noisy as f64
+    if noisy < NOISY_BEAMS || (beside_max as f64) < BESIDE_MAX_SHARE * noisy as f64 {
+        return None;
+    }
+    let ranges = ranges_m.iter().map(|range_m| max_m - f64::from(*range_m));
+    let mut below_m: Vec<f64> = ranges.filter(|below_m| *below_m > max_m * ROUNDING && *below_m < max_m).collect();
+    below_m.sort_by(f64::total_cmp);
+    let middle_m = below_m.get(at_max / 2).copied().unwrap_or(f64::INFINITY);
+    let spread_m = ALL_SIGMAS / MEDIAN_SIGMAS * middle_m;
+    let spread_m = if spread_m <= MOST_NOISE_SHARE * max_m { spread_m } else { 0.0 };
+    Some(max_m - spread_m.max(NOISE_SHARE * max_m))
 }
 
 /// The largest range below `limit_m`, if it stands for none.

@@ -1,5 +1,7 @@
 //! Poses by odometry, interpolated to the time of a scan.
 
+use std::ops::RangeInclusive;
+
 use crosscut_messages::{
     CDR_ENCODING, DecodeError, Odometry as OdometryMessage, Quaternion, TfMessage, TransformStamped, Vector3, ros,
 };
@@ -11,6 +13,9 @@ const ODOMETRY_FRAME: &str = "odom";
 
 /// Between two odometry messages farther apart than this the pose is unknown.
 const MAX_GAP_NS: u64 = 500_000_000;
+
+/// Quaternions that are not normalised still turn; numbers that are none are of another length.
+const LENGTHS: RangeInclusive<f64> = 1e-3..=1e3;
 
 /// Poses of the vehicle by time, in the frame of its odometry.
 #[derive(Clone, Debug, Default)]
@@ -89,6 +94,11 @@ pub fn pose_in(is_odometry: bool, encoding: &str, data: &[u8]) -> Result<Option<
     if is_odometry {
         let odometry: OdometryMessage = ros::decode(encoding, data)?;
         let pose = odometry.pose.pose;
+        let length = pose.orientation.length();
+        if length != 0.0 && !LENGTHS.contains(&length) {
+            let cause = format!("a quaternion of length {length:e} is no rotation");
+            return Err(DecodeError::Value { field: "pose.orientation", cause });
+        }
         let stamp_ns = odometry.header.stamp.to_ns().unwrap_or(0);
         return Ok(Some((stamp_ns, planar(pose.position, &pose.orientation))));
     }

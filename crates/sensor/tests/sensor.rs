@@ -324,6 +324,36 @@ fn ranges_that_scatter_about_the_maximum_are_no_returns_and_a_wall_that_leaves_t
 }
 
 #[test]
+fn noise_that_is_cut_off_at_the_maximum_is_known_by_its_half_below() {
+    // Quantiles of a half normal distribution of 5 cm, every other beam cut off at 8 m.
+    let below_m = |i: usize| 0.05 * [0.06, 0.19, 0.32, 0.45, 0.6, 0.75, 0.93, 1.15, 1.44, 1.96][i / 2 % 10];
+    let ranges: Vec<f32> = (0..160).map(|i| 8.0 - if i % 2 == 0 { 0.0 } else { below_m(i) }).collect();
+    let (empty, notes) = plain(&LaserScan { range_max: 8.0, angle_increment: 0.01, angle_max: 1.59, ..scan(&ranges) });
+    assert_eq!(empty.len(), 0, "{notes:?}");
+}
+
+#[test]
+fn a_limit_below_nearly_all_ranges_is_none() {
+    let ranges: Vec<f32> = (0..40).map(|i| 1.5 + 0.1 * i as f32).collect();
+    let (revolution, notes) = plain(&LaserScan { range_min: 0.0, range_max: 1e-4, ..scan(&ranges) });
+    assert_eq!(revolution.len(), 40);
+    assert!(
+        notes.contains(&"range_max 0.0001 m is below nearly all ranges: taken as no limit".to_owned()),
+        "{notes:?}"
+    );
+    let codes: Vec<f32> = (0..40).map(|i| if i % 7 == 0 { 5.0 } else { 65.533 }).collect();
+    assert_eq!(plain(&scan(&codes)).0.len(), 6, "a code is no range, however many beams tell it");
+}
+
+#[test]
+fn beams_that_a_filter_masked_are_unknown() {
+    let (revolution, _) = plain(&scan(&[1.0, 31.0, 31.0, f32::INFINITY]));
+    assert_eq!(sweep(&revolution).beams, [Beam::Return(0), Beam::Unknown, Beam::Unknown, Beam::NoReturn]);
+    let (revolution, _) = plain(&scan(&[1.0, 31.0, 31.0, 2.0]));
+    assert_eq!(sweep(&revolution).beams[1], Beam::NoReturn, "a driver may say so that nothing came back");
+}
+
+#[test]
 fn configured_limits_cut_both_ends_and_the_smaller_maximum_holds() {
     let cut = sensor(&[("min_range_m", Value::Float(1.0)), ("max_range_m", Value::Float(10.0))]);
     let (revolution, notes) = revolution_of(&scan(&[0.5, 1.0, 10.0, 10.5]), &cut);

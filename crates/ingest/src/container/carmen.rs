@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, VecDeque};
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::mem;
 use std::str::SplitWhitespace;
 
 use crosscut_messages::{
@@ -20,8 +21,14 @@ const WORDS: &[&str] =
 const LASERS: [&str; 6] = ["FLASER", "RLASER", "ROBOTLASER1", "ROBOTLASER2", "RAWLASER1", "RAWLASER2"];
 const ODOMETRY: ChannelId = LASERS.len() as ChannelId;
 
+/// The parameters that state the limit of FLASER and of RLASER lines.
+const LIMITS: [(&str, &str); 2] = [("FLASER", "robot_front_laser_max"), ("RLASER", "robot_rear_laser_max")];
+
 /// The largest range of a log without a stated limit is what beams report that met nothing, if it comes this often.
 const LEAST_AT_LIMIT: u64 = 10;
+
+/// One of so many ranges is within a limit that is one.
+const LEAST_WITHIN: u64 = 20;
 
 /// Whether a text is a log.
 pub(super) fn is_log(start: &str) -> bool {
@@ -34,11 +41,36 @@ pub(super) struct Carmen {
     has_lasers: [bool; LASERS.len()],
     /// Otherwise the laser lines' own poses are the odometry.
     has_odometry_lines: bool,
-    /// The limit of the range that a parameter of the log states.
-    stated_max_m: Option<f32>,
+    /// The limits of the range that parameters of the log state, as in [`LIMITS`].
+    stated_max_m: [Option<f32>; 2],
+    /// How many ranges are within that limit, and how many are beyond.
+    within: [u64; 2],
     /// Largest range of the lines that do not state a limit, and how often it comes.
     largest_m: f32,
     at_largest: u64,
+    /// The numbers of the laser lines, counted from 1.
+    laser_lines: Vec<u64>,
+    /// The time of the first of them.
+    first_ns: Option<u64>,
+    /// The last time of each kind of laser line, by the scan and by the logger.
+    last_ns: [[Option<u64>; 2]; LASERS.len()],
+    /// How many laser lines are later than the one of their kind before, by both times, and how many have one before.
+    later: [u64; 2],
+    following: u64,
+    /// Scans a second, where no time tells the lines apart.
+    rate_hz: f64,
+}
+
+const NS_PER_S: f64 = 1e9;
+/// The largest second of a stamp.
+const LARGEST_NS: u64 = i32::MAX as u64 * 1_000_000_000;
+
+/// What gives a line its time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum TimedBy {
+    Scan,
+    Logger,
+    Count,
 }
 
 /// Why a line cannot be read.
@@ -54,25 +86,46 @@ impl LineFormat for Carmen {
             Some("ODOM") => self.has_odometry_lines = true,
             Some("PARAM") => {
                 let name = words.next().unwrap_or_default();
-                if name.contains("laser") && name.ends_with("max") {
-                    self.stated_max_m = words.next().and_then(|value| value.parse().ok()).or(self.stated_max_m);
+                if let Some(laser) = LIMITS.iter().position(|(_, limit)| *limit == name) {
+                    let stated_m = &mut self.stated_max_m[laser];
+                    *stated_m = words.next().and_then(|value| value.parse().ok()).or(*stated_m);
                 }
             }
             Some(word) => {
                 let Some(laser) = LASERS.iter().position(|laser| *laser == word) else { return };
                 self.has_lasers[laser] = true;
+                let mut words = Words { words, is_ended: line.is_ended };
+                let Ok((scan, _, time_ns)) = self.laser_line(word, &mut words) else { return };
                 if word == "FLASER" || word == "RLASER" {
-                    let count = words.next().and_then(|count| count.parse().ok()).unwrap_or(0);
-                    for range_m in words.take(count).filter_map(|range| range.parse::<f32>().ok()) {
+                    let limit_m = self.stated_max_m(word).unwrap_or(f32::INFINITY);
+                    for range_m in scan.ranges {
+                        self.within[usize::from(range_m > limit_m)] += 1;
                         if range_m > self.largest_m {
                             (self.largest_m, self.at_largest) = (range_m, 0);
                         }
                         self.at_largest += u64::from(range_m == self.largest_m);
                     }
                 }
+                self.laser_lines.push(line.number);
+                self.first_ns.get_or_insert(time_ns);
+                let times_ns = [Some(time_ns), words.words.nth(1).and_then(nanoseconds)];
+                let before_ns = mem::replace(&mut self.last_ns[laser], times_ns);
+                self.following += u64::from(before_ns[0].is_some());
+                for (later, (before_ns, ns)) in self.later.iter_mut().zip(before_ns.into_iter().zip(times_ns)) {
+                    *later += u64::from(before_ns.is_some_and(|before_ns| ns > Some(before_ns)));
+                }
             }
             None => {}
         }
+    }
+
+    fn properties(&self) -> Vec<(&'static str, String)> {
+        let times = match self.timed_by() {
+            TimedBy::Scan => return Vec::new(),
+            TimedBy::Logger => "those of the logger: those of the scans stand still".to_owned(),
+            TimedBy::Count => format!("{} scans a second (csv.rate_hz): those of the lines stand still", self.rate_hz),
+        };
+        vec![("times", times)]
     }
 
     fn channels(&self) -> BTreeMap<ChannelId, Topic> {
@@ -85,24 +138,29 @@ impl LineFormat for Carmen {
         let there = (0..).zip(LASERS).zip(self.has_lasers).filter(|(_, is_there)| *is_there);
         let lasers =
             there.map(|((id, laser), _)| (id, topic(format!("/{}", laser.to_lowercase()), LaserScan::SCHEMA_NAME)));
-        let has_poses = self.has_odometry_lines || self.has_lasers[..4].contains(&true);
+        let has_poses = self.has_odometry_lines || self.has_own_poses();
         let odometry = has_poses.then(|| (ODOMETRY, topic("/odom".to_owned(), Odometry::SCHEMA_NAME)));
         lasers.chain(odometry).collect()
     }
 
-    fn read(&self, line: &Line, out: &mut VecDeque<Message>) -> Result<(), (ChannelId, Cause)> {
+    fn read(&mut self, line: &Line, out: &mut VecDeque<Message>) -> Result<(), (ChannelId, Cause)> {
         let mut words = Words { words: line.text.split_whitespace(), is_ended: line.is_ended };
         let Some(word) = words.words.next() else { return Ok(()) };
+        // Of a line whose own time is of no use, the pose in the very line is the odometry.
+        let are_own = !self.has_odometry_lines || (self.timed_by() != TimedBy::Scan && self.has_own_poses());
         if word == "ODOM" {
-            let message = odometry_line(&mut words).map_err(|cause| (ODOMETRY, cause))?;
-            out.push_back(message);
+            let (pose, speeds, time_ns) = odometry_line(&mut words).map_err(|cause| (ODOMETRY, cause))?;
+            if !are_own {
+                out.push_back(odometry(pose, speeds, self.time_ns(line, time_ns, &mut words)));
+            }
         } else if let Some((laser, _)) = (0..).zip(LASERS).find(|(_, laser)| *laser == word) {
-            let (scan, pose) = self.laser_line(word, &mut words).map_err(|cause| (laser, cause))?;
-            let log_time_ns = scan.header.stamp.to_ns().unwrap_or(0);
+            let (mut scan, pose, time_ns) = self.laser_line(word, &mut words).map_err(|cause| (laser, cause))?;
+            let log_time_ns = self.time_ns(line, time_ns, &mut words);
+            scan.header.stamp = Time::from_ns(log_time_ns);
             let data = scan.encode(Endian::Little);
             let of_laser = Message { channel: laser, log_time_ns, data, damage: None };
-            if let Some(pose) = pose.filter(|_| !self.has_odometry_lines) {
-                out.push_back(odometry(pose, [0.0; 2], scan.header.stamp));
+            if let Some(pose) = pose.filter(|_| are_own) {
+                out.push_back(odometry(pose, [0.0; 2], log_time_ns));
             }
             out.push_back(of_laser);
         }
@@ -111,8 +169,42 @@ impl LineFormat for Carmen {
 }
 
 impl Carmen {
-    /// A scan, and the pose of the vehicle by its odometry: x, y in metres and yaw in radians.
-    fn laser_line(&self, word: &str, words: &mut Words) -> Result<(LaserScan, Option<[f64; 3]>), Cause> {
+    /// A log of which no time is known, if it has none, but `rate_hz` scans a second.
+    pub(super) fn new(rate_hz: f64) -> Self {
+        Self { rate_hz, ..Self::default() }
+    }
+
+    /// Whether laser lines state poses.
+    fn has_own_poses(&self) -> bool {
+        self.has_lasers[..4].contains(&true)
+    }
+
+    /// Times that stand still in most lines are not believed.
+    fn timed_by(&self) -> TimedBy {
+        match self.later.map(|later| 2 * later >= self.following) {
+            [true, _] => TimedBy::Scan,
+            [_, true] => TimedBy::Logger,
+            _ => TimedBy::Count,
+        }
+    }
+
+    /// When a line was taken that states `time_ns` itself; the logger's time is the second of the words that are left.
+    fn time_ns(&self, line: &Line, time_ns: u64, words: &mut Words) -> u64 {
+        let counted = || self.laser_lines.partition_point(|number| *number <= line.number);
+        match self.timed_by() {
+            TimedBy::Scan => time_ns,
+            TimedBy::Logger => words.words.nth(1).and_then(nanoseconds).unwrap_or(time_ns),
+            TimedBy::Count => {
+                let since_ns = (counted() as f64 * NS_PER_S / self.rate_hz).round() as u64;
+                // A time beyond those that a stamp can hold is no beginning.
+                self.first_ns.filter(|ns| *ns < LARGEST_NS).unwrap_or(0).saturating_add(since_ns)
+            }
+        }
+    }
+
+    /// A scan without its stamp, the pose of the vehicle by its odometry (x, y in metres and yaw in radians), and the
+    /// time that the line states.
+    fn laser_line(&self, word: &str, words: &mut Words) -> Result<(LaserScan, Option<[f64; 3]>, u64), Cause> {
         let is_plain = word == "FLASER" || word == "RLASER";
         let mut scan = LaserScan::default();
         if !is_plain {
@@ -128,7 +220,7 @@ impl Carmen {
             let steps = if beams.is_multiple_of(2) { beams } else { beams - 1 };
             scan.angle_min = -FRAC_PI_2 as f32;
             scan.angle_increment = if steps == 0 { 0.0 } else { (PI / steps as f64) as f32 };
-            scan.range_max = self.range_max_m();
+            scan.range_max = self.range_max_m(word);
         } else {
             words.f32s("remissions", &mut scan.intensities)?;
         }
@@ -142,31 +234,36 @@ impl Carmen {
         } else {
             None
         };
-        scan.header = Header { stamp: words.time()?, frame_id: word.to_lowercase() };
-        Ok((scan, pose))
+        scan.header.frame_id = word.to_lowercase();
+        Ok((scan, pose, words.time_ns()?))
     }
 
-    /// The limit of the range in lines that do not state it.
-    fn range_max_m(&self) -> f32 {
-        let seen = Some(self.largest_m).filter(|_| self.at_largest >= LEAST_AT_LIMIT);
-        self.stated_max_m.or(seen).unwrap_or(f32::INFINITY)
+    /// The limit of the range in lines of this kind, which do not state it.
+    fn range_max_m(&self, word: &str) -> f32 {
+        let seen_m = || Some(self.largest_m).filter(|_| self.at_largest >= LEAST_AT_LIMIT);
+        let is_limit = |_: &f32| LEAST_WITHIN * self.within[0] >= self.within[1];
+        self.stated_max_m(word).filter(is_limit).or_else(seen_m).unwrap_or(f32::INFINITY)
+    }
+
+    fn stated_max_m(&self, word: &str) -> Option<f32> {
+        LIMITS.iter().zip(self.stated_max_m).find(|((laser, _), _)| *laser == word)?.1
     }
 }
 
-fn odometry_line(words: &mut Words) -> Result<Message, Cause> {
+/// The pose, the speeds and the time of a line of odometry.
+fn odometry_line(words: &mut Words) -> Result<([f64; 3], [f64; 2], u64), Cause> {
     let [x_m, y_m, yaw_rad, speed_mps, turn_radps, _] = words.numbers("pose")?;
-    Ok(odometry([x_m, y_m, yaw_rad], [speed_mps, turn_radps], words.time()?))
+    Ok(([x_m, y_m, yaw_rad], [speed_mps, turn_radps], words.time_ns()?))
 }
 
-fn odometry([x_m, y_m, yaw_rad]: [f64; 3], [speed_mps, turn_radps]: [f64; 2], stamp: Time) -> Message {
+fn odometry([x_m, y_m, yaw_rad]: [f64; 3], [speed_mps, turn_radps]: [f64; 2], log_time_ns: u64) -> Message {
     let mut odometry = Odometry { child_frame_id: "base_link".to_owned(), ..Odometry::default() };
-    odometry.header = Header { stamp, frame_id: "odom".to_owned() };
+    odometry.header = Header { stamp: Time::from_ns(log_time_ns), frame_id: "odom".to_owned() };
     odometry.pose.pose.position.x = x_m;
     odometry.pose.pose.position.y = y_m;
     odometry.pose.pose.orientation = Quaternion::from_yaw_rad(yaw_rad);
     odometry.twist.twist.linear.x = speed_mps;
     odometry.twist.twist.angular.z = turn_radps;
-    let log_time_ns = stamp.to_ns().unwrap_or(0);
     Message { channel: ODOMETRY, log_time_ns, data: odometry.encode(Endian::Little), damage: None }
 }
 
@@ -203,12 +300,13 @@ impl Words<'_> {
     }
 
     /// The time in seconds. Where the line has no end it may be cut short, unless another word follows.
-    fn time(&mut self) -> Result<Time, Cause> {
+    fn time_ns(&mut self) -> Result<u64, Cause> {
         let word = self.words.next().ok_or("it ends before its time")?;
-        if !self.is_ended && self.words.next().is_none() {
+        if !self.is_ended && self.words.clone().next().is_none() {
             return Err("it ends in its time".to_owned());
         }
-        nanoseconds(word).map(Time::from_ns).ok_or_else(|| format!("`{word:.20}` is no time"))
+        let in_range = |ns: u64| Time::from_ns(ns).to_ns();
+        nanoseconds(word).and_then(in_range).ok_or_else(|| format!("`{word:.20}` is no time"))
     }
 }
 
@@ -234,7 +332,7 @@ mod tests {
     use super::*;
 
     fn messages(log: &str) -> Vec<Message> {
-        let mut carmen = Carmen::default();
+        let mut carmen = Carmen::new(10.0);
         let lines: Vec<_> =
             log.lines().zip(1..).map(|(text, number)| Line { number, text: text.to_owned(), is_ended: true }).collect();
         lines.iter().for_each(|line| carmen.survey(line));
@@ -262,7 +360,9 @@ mod tests {
     fn the_largest_range_that_comes_often_is_the_limit() {
         let line = format!("FLASER 12{} 1 2 0 0 0 0 0 0 1.0 host 0\n", " 81.91".repeat(10));
         assert_eq!(scan_of(&messages(&line)[1]).range_max, 81.91);
-        let stated = format!("PARAM robot_front_laser_max 50.0 host 0\n{line}");
+        let other =
+            "PARAM simulator_laser_probability_of_random_max .0001 host 0\nPARAM robot_rear_laser_max 5 host 0\n";
+        let stated = format!("PARAM robot_front_laser_max 50.0 host 0\n{other}{line}");
         assert_eq!(scan_of(&messages(&stated)[1]).range_max, 50.0);
     }
 

@@ -27,11 +27,11 @@ pub(super) trait LineFormat: Send {
         Vec::new()
     }
 
-    /// Hands the messages of a line to `out`.
+    /// Hands the messages of a line to `out`. Lines come in their order; behind the last one comes an empty one.
     ///
     /// # Errors
     /// When the line should have a message of this channel, and cannot be read: why.
-    fn read(&self, line: &Line, out: &mut VecDeque<Message>) -> Result<(), (ChannelId, String)>;
+    fn read(&mut self, line: &Line, out: &mut VecDeque<Message>) -> Result<(), (ChannelId, String)>;
 }
 
 /// One line.
@@ -42,6 +42,11 @@ pub(super) struct Line {
     pub(super) text: String,
     /// Whether its end is there. Otherwise the file may have been cut off in its last word.
     pub(super) is_ended: bool,
+}
+
+impl Line {
+    /// The number of the empty line behind the last one.
+    pub(super) const END: u64 = u64::MAX;
 }
 
 /// Reads a text file as a [`Container`].
@@ -64,7 +69,7 @@ impl<F: LineFormat> Lines<F> {
         let bytes = file.length()?;
         let mut input = BufReader::new(file);
         let mut number = 0;
-        while let Some(line) = next_line(&mut input, &mut number)? {
+        while let Some(line) = line_or_end(&mut input, &mut number)? {
             format.survey(&line);
         }
         let channels = format.channels();
@@ -84,7 +89,7 @@ impl<F: LineFormat> Lines<F> {
         self.input.rewind()?;
         self.number = 0;
         let (mut counts, mut damaged, mut last_ns, mut unreadable) = (BTreeMap::new(), BTreeMap::new(), 0, None);
-        while let Some(line) = next_line(&mut self.input, &mut self.number)? {
+        while let Some(line) = line_or_end(&mut self.input, &mut self.number)? {
             if let Err((channel, cause)) = self.format.read(&line, &mut self.queue) {
                 unreadable.get_or_insert((line.number, 0, cause)).1 += 1;
                 *damaged.entry(channel).or_default() += u64::from(line.is_ended);
@@ -142,7 +147,7 @@ impl<F: LineFormat> Container for Lines<F> {
 
     fn next(&mut self) -> Option<Message> {
         while self.queue.is_empty() {
-            let line = match next_line(&mut self.input, &mut self.number) {
+            let line = match line_or_end(&mut self.input, &mut self.number) {
                 Ok(Some(line)) => line,
                 Ok(None) => return None,
                 Err(error) => {
@@ -178,6 +183,17 @@ impl<F: LineFormat> Container for Lines<F> {
     fn take_losses(&mut self) -> Vec<Loss> {
         mem::take(&mut self.losses)
     }
+}
+
+/// The next line, or the empty one behind the last.
+fn line_or_end(input: &mut impl BufRead, number: &mut u64) -> io::Result<Option<Line>> {
+    let has_ended = *number == Line::END;
+    let line = if has_ended { None } else { next_line(input, number)? };
+    if line.is_none() && !has_ended {
+        *number = Line::END;
+        return Ok(Some(Line { number: Line::END, text: String::new(), is_ended: true }));
+    }
+    Ok(line)
 }
 
 /// The next line, without a mark of the byte order; one that is too long is cut off.

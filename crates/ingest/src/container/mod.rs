@@ -139,7 +139,7 @@ fn open_plain(
     } else {
         match Found::in_file(start) {
             Found::Text | Found::Unknown(_) if carmen::is_log(&String::from_utf8_lossy(start)) => {
-                Ok(Box::new(Lines::open(path, file, Carmen::default()).map_err(failed)?))
+                Ok(Box::new(Lines::open(path, file, Carmen::new(csv.rate_hz)).map_err(failed)?))
             }
             Found::Text => {
                 let table = Table::look(path, &mut file, csv)?;

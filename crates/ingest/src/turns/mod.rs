@@ -1,8 +1,9 @@
 //! From scan messages to turns of the lidar: messages that are parts of a turn are joined, and blind sectors are found.
 //!
 //! Both are learned from the first messages of a recording, which wait until enough of them are there. Most recordings
-//! have one message a turn and no blind sector; they pass unchanged. Clouds pass without waiting.
+//! have one message a turn and no blind sector; they pass unchanged.
 
+mod clouds;
 mod segments;
 mod turn;
 
@@ -12,12 +13,14 @@ use crosscut_messages::{LaserScan, ScanMessage};
 use crosscut_sensor::{LEARNED_SCANS, Motion, RevolutionWriter, Sensor};
 use crosscut_stage::{Notes, Revolution};
 
+use self::clouds::CloudJoiner;
 use self::segments::Joiner;
 pub(crate) use self::turn::Turn;
 use crate::limits;
 
 /// So many messages show whether they are parts of turns: some turns of those drivers that send the most of them.
 const LEARNED_MESSAGES: usize = 100;
+const LEARNED_CLOUDS: usize = 12;
 
 /// Turns on their way.
 #[derive(Debug)]
@@ -26,6 +29,8 @@ pub(crate) struct Turns {
     waiting: Vec<Turn>,
     turns: VecDeque<Turn>,
     joiner: Option<Joiner>,
+    clouds: Option<CloudJoiner>,
+    learned_messages: usize,
     knows_parts: bool,
     knows_blind: bool,
     /// Turns are given before there are enough of them to know blind sectors; these were.
@@ -44,7 +49,9 @@ impl Turns {
             waiting: Vec::new(),
             turns: VecDeque::new(),
             joiner: None,
-            knows_parts: !are_scans,
+            clouds: None,
+            learned_messages: if are_scans { LEARNED_MESSAGES } else { LEARNED_CLOUDS },
+            knows_parts: false,
             knows_blind: !are_scans || !finds_blind,
             early: None,
             writer: RevolutionWriter::default(),
@@ -61,21 +68,25 @@ impl Turns {
 
     /// How many messages usually make a turn.
     pub(crate) fn messages_in_turn(&self) -> u64 {
-        self.joiner.as_ref().map_or(1, Joiner::messages_in_turn)
+        let of_clouds = self.clouds.as_ref().map_or(1, |clouds| clouds.numbers.messages_in_turn);
+        self.joiner.as_ref().map_or(of_clouds, Joiner::messages_in_turn)
     }
 
     /// Takes a message.
     pub(crate) fn push(&mut self, message: Turn, sensor: &Sensor) {
         if !self.is_settled() {
-            let ranges = message.laser_scan().map_or(0, |scan| scan.ranges.len() + scan.intensities.len());
-            self.bytes += (size_of::<f32>() * ranges) as u64;
+            self.bytes += match &message.scan {
+                Ok(ScanMessage::Scan(scan)) => size_of::<f32>() * (scan.ranges.len() + scan.intensities.len()),
+                Ok(ScanMessage::Cloud(cloud)) => size_of::<[f64; 3]>() * cloud.points_m.len(),
+                Err(_) => 0,
+            } as u64;
         }
         let is_full = self.bytes >= self.most_bytes;
         if self.knows_parts {
             self.take(message);
         } else {
             self.waiting.push(message);
-            if self.waiting.len() >= LEARNED_MESSAGES || is_full {
+            if self.waiting.len() >= self.learned_messages || is_full {
                 self.learn_parts();
             }
         }
@@ -89,6 +100,9 @@ impl Turns {
         self.learn_parts();
         if let Some(joiner) = &mut self.joiner {
             joiner.finish(&mut self.turns);
+        }
+        if let Some(clouds) = &mut self.clouds {
+            clouds.finish(&mut self.turns);
         }
         self.learn_blind(sensor);
     }
@@ -153,15 +167,16 @@ impl Turns {
 
     /// Takes back the place of a turn that is done with.
     pub(crate) fn recycle(&mut self, turn: Turn) {
-        if self.joiner.is_none() && self.spare.is_empty() {
+        if self.joiner.is_none() && self.clouds.is_none() && self.spare.is_empty() {
             self.spare.extend(turn.scan);
         }
     }
 
     fn take(&mut self, message: Turn) {
-        match &mut self.joiner {
-            Some(joiner) => joiner.take(message, &mut self.turns),
-            None => self.turns.push_back(message),
+        match (&mut self.joiner, &mut self.clouds) {
+            (Some(joiner), _) => joiner.take(message, &mut self.turns),
+            (_, Some(clouds)) => clouds.take(message, &mut self.turns),
+            _ => self.turns.push_back(message),
         }
     }
 
@@ -172,6 +187,11 @@ impl Turns {
         self.knows_parts = true;
         let waiting = std::mem::take(&mut self.waiting);
         self.joiner = Joiner::of(&waiting.iter().filter_map(Turn::laser_scan).collect::<Vec<_>>());
+        let clouds = waiting.iter().filter_map(|turn| match &turn.scan {
+            Ok(ScanMessage::Cloud(cloud)) => Some(cloud),
+            _ => None,
+        });
+        self.clouds = CloudJoiner::of(&clouds.collect::<Vec<_>>());
         waiting.into_iter().for_each(|message| self.take(message));
     }
 

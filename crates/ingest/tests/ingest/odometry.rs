@@ -102,6 +102,67 @@ fn odometry_of_another_clock_is_not_taken_and_not_kept_in_memory_for_ever() {
     assert_eq!(poses(&path, &[]), vec![None; 20]);
 }
 
+/// Odometry in CDR as a writer lays it out that counts alignment from the start of the message.
+fn from_start(stamp: Time, frame: &str, x_m: f64) -> Vec<u8> {
+    let mut data = vec![0, 1, 0, 0];
+    data.extend(stamp.sec.to_le_bytes());
+    data.extend(stamp.nanosec.to_le_bytes());
+    for text in [frame, "base_link"] {
+        data.resize(data.len().next_multiple_of(4), 0);
+        data.extend((text.len() as u32 + 1).to_le_bytes());
+        data.extend(text.bytes().chain([0]));
+    }
+    data.resize(data.len().next_multiple_of(8), 0);
+    let numbers = [x_m, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0].into_iter().chain([0.0; 36 + 6 + 36]);
+    data.extend(numbers.flat_map(f64::to_le_bytes));
+    data
+}
+
+#[test]
+fn odometry_is_read_by_the_alignment_that_makes_its_quaternion_one() {
+    let folder = Folder::new();
+    for frame in ["", "o", "odom", "odometry"] {
+        let shifted = (0..20).map(|i| {
+            let record = odometry_at("/odom", time_ns(i), 0.0);
+            Record { data: from_start(Time::from_ns(time_ns(i)), frame, 0.25 * i as f64), ..record }
+        });
+        let records = in_order(plain_flight(20).into_iter().chain(shifted).collect());
+        let path = folder.add("flight.mcap", &Form::CHUNKED.write(&records));
+        let x_m: Vec<_> = poses(&path, &[]).into_iter().map(|pose| pose.map(|pose| pose[0])).collect();
+        assert_eq!(x_m, (0..20).map(|i| Some(0.25 * f64::from(i))).collect::<Vec<_>>(), "{frame:?}");
+    }
+}
+
+#[test]
+fn odometry_of_which_nothing_can_be_used_is_a_loss() {
+    let folder = Folder::new();
+    let damaged = (0..20).map(|i| {
+        let record = odometry_at("/odom", time_ns(i), 0.0);
+        let mut odometry = Odometry::decode(&record.data).expect("written above");
+        odometry.pose.pose.orientation.w = 1e200;
+        Record { data: odometry.encode(Endian::Little), ..record }
+    });
+    let records = in_order(plain_flight(20).into_iter().chain(damaged).collect());
+    let path = folder.add("flight.mcap", &Form::CHUNKED.write(&records));
+    let mut recording = Recording::open(&[path], &ReadOptions::default(), sensor(&[])).expect("scans");
+    while recording.next(&mut Revolution::default(), &mut Notes::default()).expect("the source goes on") {}
+    let losses: Vec<String> = recording.losses().iter().map(ToString::to_string).collect();
+    assert!(matches!(&losses[..], [loss] if loss.starts_with("no message of /odom can be used")), "{losses:?}");
+}
+
+#[test]
+fn lines_of_a_log_whose_times_stand_still_have_the_odometry_of_their_own() {
+    let folder = Folder::new();
+    for (line, times) in [("FLASER 4 1 2 3 4", ["0", "0"]), ("FLASER 4 1 2 3 4", ["1.13487e+09", "1.13487e+09"])] {
+        for odometry in ["", "ODOM 50 0 0 1 0 0 0 host 0\n"] {
+            let rows = (0..9).map(|i| format!("{odometry}{line} {i} 0 0 {i} 0 0 {} host {}\n", times[0], times[1]));
+            let path = folder.add("log.clf", rows.collect::<String>().as_bytes());
+            let x_m: Vec<_> = poses(&path, &[]).into_iter().map(|pose| pose.map(|pose| pose[0] as usize)).collect();
+            assert_eq!(x_m, (0..9).map(Some).collect::<Vec<_>>(), "{line} {times:?}");
+        }
+    }
+}
+
 #[test]
 fn a_compressed_log_has_the_odometry_of_its_lines() {
     let folder = Folder::new();

@@ -207,3 +207,89 @@ fn tables_without_ranges_are_named() {
         assert_eq!(found(text), expected, "{text}");
     }
 }
+
+/// A list of turns of a tunnel: an angle in degrees and a distance in millimetres, of which some are left out in each
+/// turn.
+fn list(turns: usize, row: impl Fn(usize, f64, f64) -> String) -> String {
+    let of_turn = |turn: usize| (0..360).filter(move |i| (i * 7 + turn * 3) % 11 > 0).map(move |i| (turn, i as f64));
+    let range = |deg: f64| (1.6 / deg.to_radians().sin().abs()).min(9.0);
+    (0..turns).flat_map(of_turn).map(|(turn, deg)| row(turn, deg, range(deg)) + "\n").collect()
+}
+
+#[test]
+fn lists_of_angles_and_distances_are_turns() {
+    let mm = |range_m: f64| range_m * 1e3;
+    for (text, turns) in [
+        (format!("Angle,Distance\n{}", list(6, |_, deg, m| format!("{deg},{}", mm(m)))), 6),
+        (
+            format!(
+                "quality;theta (rad);range_cm\n{}",
+                list(4, |_, deg, m| format!("9;{};{}", -deg.to_radians(), m * 1e2))
+            ),
+            4,
+        ),
+        (list(5, |_, deg, m| format!("15\t{deg:.2}\t{:.1}\tok", mm(m))), 5),
+        (format!("scan,label,angle,distance\n{}", list(3, |turn, deg, m| format!("{turn},tee,{deg},{m}"))), 3),
+        (list(5, |_, deg, m| format!("{} {:.3}", (180.0 - deg).to_radians(), m)), 5),
+    ] {
+        let read = scans(&text);
+        assert_eq!(read.len(), turns, "{}", &text[..60]);
+        for row in 0..turns {
+            let ranges = ranges(&read, row);
+            let near = ranges.iter().filter(|m| (1.5..1.7).contains(*m)).count();
+            assert!(
+                ranges.len() > 300 && (30..100).contains(&near),
+                "{} beams, {near} near: {}",
+                ranges.len(),
+                &text[..60]
+            );
+        }
+    }
+    let swing = |turn: usize, i: i32| if turn % 2 == 0 { i } else { -i };
+    let row = |(turn, i): (usize, i32)| format!("{},{}\n", swing(turn, i), 2 + (i - 20).abs() / 9);
+    let swings = (0..6).flat_map(|turn| (-60..=60).map(move |i| (turn, i))).map(row).collect::<String>();
+    assert_eq!(scans(&format!("angle,distance_m\n{swings}")).len(), 6, "a sensor that swings");
+    let stamped =
+        list(3, |turn, deg, m| format!("{},{deg},{m}", 1_700_000_000_000 + turn as u64 * 100 + deg as u64 / 4));
+    let read = scans(&format!("timestamp,angle,distance\n{stamped}"));
+    assert_eq!(read.stamps_ns[1], 1_700_000_000_100_000_000, "by its first row");
+}
+
+#[test]
+fn rows_of_x_and_y_are_points_unless_they_are_a_way() {
+    let xy = |turn: usize, deg: f64, m: f64| {
+        let (sin, cos) = deg.to_radians().sin_cos();
+        format!("{turn};{:.0};{:.0}", m * cos * 1e3, m * sin * 1e3)
+    };
+    let read = scans(&format!("scan;x;y\n{}", list(4, xy)));
+    assert!(read.len() == 4 && read.ranges[0].len() > 200, "{}", read.ranges[0].len());
+    let way: String = (0..50).map(|i| format!("{i},{},{}\n", i * 2, i % 3)).collect();
+    assert_eq!(found(&format!("time_s,x,y\n{way}")), Found::PointTable);
+}
+
+#[test]
+fn times_that_stand_or_leap_are_not_believed() {
+    let table = |names: &str, time: &dyn Fn(usize) -> String| {
+        let rows: String = (0..9).map(|i| format!("{},{}\n", time(i), row(4, ","))).collect();
+        scans(&format!("{names},r0,r1,r2,r3\n{rows}")).stamps_ns[8]
+    };
+    for (names, time, last_ns) in [
+        ("seq,stamp", &(|i| format!("{i},0")) as &dyn Fn(usize) -> String, 2_250_000_000),
+        ("stamp,time_s", &|i| format!("{},{}.5", [5, 900_000_000, 3][i % 3], i + 1), 9_500_000_000),
+        ("rosbagTimestamp,secs,nsecs", &|i| format!("{}00000000,112,{}00000000", 1120 + i, i), 112_800_000_000),
+        ("time", &|i| format!("{}00000000", 1120 + i), 112_800_000_000),
+        ("timestamp", &|i| format!("{}", 52_300 + 100 * i), 53_100_000_000),
+    ] {
+        assert_eq!(table(names, time), last_ns, "{names}");
+    }
+}
+
+#[test]
+fn columns_of_words_are_left_out_aloud() {
+    let rows: String = (0..3).map(|_| format!("7.5,wall,{}\n", row(8, ","))).collect();
+    let folder = Folder::new();
+    let path = folder.add("table.csv", rows.as_bytes());
+    let description = describe(&path, &sensor(&[]), &options("")).expect("a table");
+    let columns = &description.properties[0].1;
+    assert!(columns.contains("with 9 ranges; column 2 (words) is not used"), "{columns}");
+}

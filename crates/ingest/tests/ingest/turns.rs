@@ -3,7 +3,7 @@
 use std::f32::consts::{PI, TAU};
 
 use crosscut_ingest::{ReadOptions, Recording};
-use crosscut_messages::{Header, LaserScan, Time};
+use crosscut_messages::{Cloud, Endian, Header, LaserScan, PointCloud2, Time};
 use crosscut_stage::{Beam, Notes, Revolution, Source, Value};
 
 use crate::flight::{Folder, Form, Read, Record, drain, open, record_at, sensor, time_ns};
@@ -182,4 +182,80 @@ fn a_sector_that_returns_after_all_is_in_view_again() {
     let unknown = unknown(&records, true);
     assert!(unknown[..110].iter().all(|&(count, _)| count == 90));
     assert!(unknown[110..].iter().all(|&(count, _)| count == 0));
+}
+
+/// Parts of turns of a motor that runs unevenly: each has its own increment and number of beams, and they go on where
+/// the last one ends. The range of each beam is that of its bearing.
+fn uneven(turns: f32, direction: f32) -> Vec<Record> {
+    let (mut records, mut travel) = (Vec::new(), 0.0f32);
+    while travel < turns * TAU {
+        let at = records.len();
+        let (beams, step) = (10 + at % 4, 0.014 * (1.0 + 0.01 * (at % 5) as f32));
+        let range = |beam: usize| 2.0 + (travel + beam as f32 * step).rem_euclid(TAU);
+        let ns = time_ns(0) + (f64::from(travel) * 1e8 / f64::from(TAU)) as u64;
+        let scan = LaserScan {
+            header: Header { stamp: Time::from_ns(ns), frame_id: "laser".to_owned() },
+            angle_min: direction * ((travel + PI).rem_euclid(TAU) - PI),
+            angle_increment: direction * step,
+            range_max: 30.0,
+            ranges: (0..beams).map(range).collect(),
+            ..LaserScan::default()
+        };
+        records.push(record_at("/scan", ns, &scan));
+        travel += beams as f32 * step;
+    }
+    records
+}
+
+#[test]
+fn parts_of_an_uneven_motor_are_joined_by_their_bearings() {
+    for direction in [1.0, -1.0] {
+        let read = read(&uneven(12.0, direction));
+        assert!((12..=13).contains(&read.len()), "{} turns", read.len());
+        for ranges in &read.ranges[1..11] {
+            let ranges: Vec<f32> = ranges.iter().map(|bits| f32::from_bits(*bits)).collect();
+            let even = ranges.windows(2).filter(|pair| (pair[1] - pair[0]).abs() < 0.05).count();
+            assert!(ranges.iter().all(|range| range.is_finite()) && even + 3 > ranges.len(), "{ranges:?}");
+        }
+    }
+}
+
+#[test]
+fn parts_in_any_order_are_joined_until_one_comes_again() {
+    let mut records = parts(30, 1.0, TAU);
+    for (turn, records) in records.chunks_mut(PARTS).enumerate() {
+        let times: Vec<u64> = records.iter().map(|record| record.log_time_ns).collect();
+        (0..PARTS).for_each(|at| records.swap(at, (at * 5 + turn * 2) % PARTS));
+        records.iter_mut().zip(times).for_each(|(record, ns)| record.log_time_ns = ns);
+    }
+    let read = read(&records);
+    assert_eq!(read.len(), 30);
+    let whole = |turn: usize| bits((0..PARTS).flat_map(|at| part(turn, at, 1.0, TAU).ranges));
+    assert!((0..30).all(|turn| read.ranges[turn] == whole(turn)));
+}
+
+/// Clouds of this many parts of a turn, each of points on a circle around the sensor.
+fn clouds(turns: usize, parts: usize, share: f64) -> Vec<Record> {
+    let point = |part: usize, i: usize| {
+        let bearing = (part as f64 + share * i as f64 / 200.0) / parts as f64 * f64::from(TAU);
+        [3.0 * bearing.cos(), 3.0 * bearing.sin(), 0.0]
+    };
+    let of = |turn: usize, part: usize| {
+        let stamp_ns = part_ns(turn, part);
+        let header = Header { stamp: Time::from_ns(stamp_ns), frame_id: "lidar".to_owned() };
+        let points_m = (0..200).map(|i| point(part, i)).collect();
+        let data = PointCloud2::from(&Cloud { header, points_m, ..Cloud::default() }).encode(Endian::Little);
+        Record { topic: "/points", type_name: PointCloud2::SCHEMA_NAME, encoding: "cdr", log_time_ns: stamp_ns, data }
+    };
+    (0..turns).flat_map(|turn| (0..parts).map(move |part| (turn, part))).map(|(turn, part)| of(turn, part)).collect()
+}
+
+#[test]
+fn clouds_of_parts_of_a_turn_are_joined_and_others_are_not() {
+    let halves = read(&clouds(20, 2, 1.0));
+    assert_eq!((halves.len(), halves.stamps_ns[7]), (20, part_ns(7, 0)));
+    assert_eq!(halves.notes[7], ["a revolution joined of 2 messages: seq counts revolutions"]);
+    assert_eq!(halves.seqs, (0..20).collect::<Vec<_>>());
+    assert_eq!(read(&clouds(20, 1, 1.0)).len(), 20, "turns");
+    assert_eq!(read(&clouds(20, 1, 0.2)).len(), 20, "a view that is limited");
 }

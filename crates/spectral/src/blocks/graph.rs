@@ -32,7 +32,7 @@ impl Graph {
     }
 
     /// The edges of return `i` to earlier ones, each with W_ij and W_ij / √(D_ii D_jj); an entry of W that is 0, or where
-    /// that is 0, is none.
+    /// that is 0, is none. A weight below the smallest normal number counts as 0.
     #[inline]
     pub(crate) fn edges_back(&self, i: usize) -> impl Iterator<Item = Edge> {
         let ((others, weights), scale) = (self.edges.row(i), self.inverse_sqrt_degrees[i]);
@@ -41,7 +41,7 @@ impl Graph {
             let scaled = weight * (scale * self.inverse_sqrt_degrees[to as usize]);
             Edge { from: i as u32, to, weight, scaled }
         });
-        edges.filter(|edge| edge.scaled > 0.0)
+        edges.filter(|edge| edge.scaled >= f64::MIN_POSITIVE)
     }
 
     /// L_ii, if edges of these weights in sum are set aside.
@@ -74,7 +74,8 @@ fn copy(weights: &Weights, out: &mut Csr) {
         while out.n() < j {
             out.end_row();
         }
-        if weight != 0.0 {
+        let is_nothing = weight.abs() < f64::MIN_POSITIVE;
+        if !is_nothing {
             out.push(i as u32, weight);
         }
     });

@@ -232,6 +232,20 @@ fn an_edge_of_weight_0_that_w_stores_changes_nothing_however_long_it_is() {
 }
 
 #[test]
+fn weights_below_the_smallest_normal_number_are_none() {
+    let n = 300;
+    let mut affinity = Affinity { degrees: vec![1.0; n], ..Affinity::default() };
+    let w = affinity.weights.make_dense(n);
+    w.fill(1e-320);
+    w.diagonal_mut().fill(1.0);
+    let started = std::time::Instant::now();
+    let mut spectrum = Spectrum::default();
+    blocks(1e-9).spectrum(&affinity, &mut spectrum, &mut Notes::default()).expect("sound");
+    assert_eq!((spectrum.k, spectrum.eigenvalues[0]), (n, 0.0));
+    assert!(started.elapsed().as_secs() < 5, "{:?}", started.elapsed());
+}
+
+#[test]
 fn a_component_too_large_to_be_decomposed_in_full_is_refused_with_the_size_that_it_would_need() {
     // A ring of 30,000: its second eigenvalue is 3e-8, and it comes twice.
     let n = 30_000u32;

@@ -1,10 +1,12 @@
 //! What the columns of a table hold, by their names: `field.ranges12`, `ranges_12`, `/scan/ranges[12]`, `r12 (mm)`.
 
 use std::collections::BTreeMap;
+use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 
 use crosscut_messages::LaserScan;
 
+use super::list::{Columns, List};
 use crate::Found;
 
 /// Nanoseconds in a second.
@@ -28,6 +30,8 @@ enum Part {
     Ranges,
     Angle,
     Coordinate,
+    /// The number of the turn that a row of a list is of.
+    Turn,
     Other,
 }
 
@@ -46,21 +50,32 @@ const NAMES: &[(Part, &[&str])] = &[
     (Part::Field(|scan| &mut scan.scan_time), &["scan_time"]),
     (Part::Field(|scan| &mut scan.range_min), &["range_min", "rangemin"]),
     (Part::Field(|scan| &mut scan.range_max), &["range_max", "rangemax"]),
-    (Part::Ranges, &["ranges", "range", "r", "d", "dist", "distance", "distances", "beam", "laser", ""]),
-    (Part::Angle, &["angle", "angles", "angule", "theta", "bearing", "azimuth", "phi"]),
+    (
+        Part::Ranges,
+        &["ranges", "range", "r", "d", "dist", "distance", "distances", "beam", "laser", "rho", "radius", "depth", ""],
+    ),
+    (Part::Angle, &["angle", "angles", "angule", "theta", "bearing", "azimuth", "phi", "deg", "degree", "degrees"]),
     (Part::Coordinate, &["x", "y", "z"]),
+    (
+        Part::Turn,
+        &["scan", "scan_id", "scan_no", "scan_number", "turn", "rev", "revolution", "rotation", "sweep", "seq"],
+    ),
 ];
 
 /// The columns of `ros2 topic echo --csv`, as `csv.columns` gives names: `*` is as many numbers as there are. Behind the ranges
 /// there may be as many intensities.
 const ECHO: &str = "stamp.sec,stamp.nanosec,frame_id,angle_min,angle_max,angle_increment,time_increment,scan_time,range_min,\
                     range_max,r*";
-/// Units in names: of ranges in metres, of times in nanoseconds.
+/// Units in names: of ranges in metres, of angles in radians, of times in nanoseconds.
 const UNITS_M: [(&str, f64); 3] = [("mm", 1e-3), ("cm", 1e-2), ("m", 1.0)];
+const UNITS_RAD: [(&str, f64); 5] =
+    [("deg", PI / 180.0), ("degree", PI / 180.0), ("degrees", PI / 180.0), ("rad", 1.0), ("radians", 1.0)];
 const UNITS_NS: [(&str, f64); 4] = [("ns", 1.0), ("us", 1e3), ("ms", 1e6), ("s", NS_PER_S)];
 
 /// Rows with fewer cells and no names are points, or pairs of angles and distances.
 const LEAST_BARE_RANGES: usize = 8;
+/// Words stand in one of so many columns, or in the last: behind, they were what a beam says.
+const LEAST_TAIL: usize = 3;
 /// This many rows show that a column counts up, as no beam does.
 const LEAST_COUNTING: usize = 5;
 /// Numbers of a time since 1970, in seconds (from 2001 on) to nanoseconds. No range is as large in any unit.
@@ -73,6 +88,18 @@ const EVEN: f64 = 0.05;
 const LARGEST_RAD: f64 = 6.4;
 const LARGEST_DEG: f64 = 361.0;
 
+/// A scan is taken this many ns after the one before at the most: a column by which it takes longer counts another
+/// unit.
+const LONGEST_NS: f64 = 30.0 * NS_PER_S;
+/// The row of a list is taken so many ns after the one before. A lidar takes points faster than one in the second time:
+/// places that are farther apart are a way.
+const LONGEST_ROW_NS: f64 = 0.1 * NS_PER_S;
+const SLOW_NS: f64 = 0.005 * NS_PER_S;
+/// Times that leap by more are not believed where another column tells the time.
+const LEAP_NS: f64 = 24.0 * 3600.0 * NS_PER_S;
+/// Of so many steps, one may lead back or leap.
+const STEPS_A_LEAP: usize = 4;
+
 /// A column with a time.
 #[derive(Clone, Copy)]
 pub(super) struct Time {
@@ -81,6 +108,26 @@ pub(super) struct Time {
     pub(super) unit_ns: f64,
     /// The column of the nanoseconds after whole seconds.
     pub(super) rest: Option<usize>,
+}
+
+impl Time {
+    /// From row to row.
+    fn steps_ns(&self, rows: &[Vec<f64>]) -> Vec<f64> {
+        let rest = |row: &Vec<f64>| self.rest.and_then(|rest| row.get(rest).copied()).unwrap_or(0.0);
+        let times_ns = cells_of(rows, self.column).zip(rows).map(|(time, row)| time * self.unit_ns + rest(row));
+        times_ns.clone().zip(times_ns.skip(1)).map(|(before, after)| after - before).collect()
+    }
+}
+
+/// The cells of a column; NaN for those that are not there.
+fn cells_of(rows: &[Vec<f64>], column: usize) -> impl Iterator<Item = f64> + Clone {
+    rows.iter().map(move |row| row.get(column).copied().unwrap_or(f64::NAN))
+}
+
+/// The middle one of these numbers.
+fn usual(mut numbers: Vec<f64>) -> Option<f64> {
+    numbers.sort_by(f64::total_cmp);
+    numbers.get(numbers.len() / 2).copied()
 }
 
 /// What the columns hold.
@@ -103,6 +150,8 @@ pub(super) struct Layout {
     pub(super) bearings_rad: Option<[f64; 2]>,
     /// Metres in the unit of the ranges.
     pub(super) unit_m: f64,
+    /// Of a table with a return a row, in place of ranges.
+    pub(super) of_list: Option<Columns>,
     /// What was taken for what, in words.
     pub(super) taken: String,
 }
@@ -116,18 +165,14 @@ impl Layout {
         let parsed: Vec<Name> = names.iter().map(|name| Name::of(name)).collect();
         let mut layout = Self { names, unit_m: 1.0, ..Self::default() };
         let are_of_rostopic = layout.names.iter().any(|name| name == "%time");
-        layout.find_singles(&parsed, are_of_rostopic, rows.first().map_or(&[][..], |row| &row[..]));
-        if !layout.find_ranges(&parsed) {
+        layout.find_singles(&parsed, are_of_rostopic, rows);
+        if !layout.find_ranges(&parsed) && !layout.find_list(&parsed, rows) {
             let count = |is: fn(&Part) -> bool| parsed.iter().filter(|name| is(&name.part)).count();
-            return Err(
-                if count(|part| matches!(part, Part::Angle)) > 0 && count(|part| matches!(part, Part::Ranges)) > 0 {
-                    Found::AngleTable
-                } else if count(|part| matches!(part, Part::Coordinate)) > 1 && layout.frame.is_none() {
-                    Found::PointTable
-                } else {
-                    Found::OtherTable(listed(layout.names.iter()))
-                },
-            );
+            return Err(if count(|part| matches!(part, Part::Coordinate)) > 1 && layout.frame.is_none() {
+                Found::PointTable
+            } else {
+                Found::OtherTable(listed(layout.names.iter()))
+            });
         }
         layout.taken = layout.described();
         Ok(layout)
@@ -139,20 +184,14 @@ impl Layout {
     /// # Errors
     /// When none of them are ranges.
     pub(super) fn given(pattern: &str, rows: &[Vec<f64>]) -> Result<Self, Found> {
-        let names: Vec<&str> = pattern.split(',').map(str::trim).collect();
-        let left = (rows.first().map_or(0, Vec::len) + 1).saturating_sub(names.len());
-        let expanded = names.iter().flat_map(|name| {
-            let many = if name.contains('*') { left } else { 1 };
-            (0..many).map(move |number| name.replace('*', &number.to_string()))
-        });
-        Self::named(expanded.collect(), rows)
+        Self::named(expanded(pattern, rows.first().map_or(0, Vec::len)), rows)
     }
 
-    /// Of a table without names, of which this is the first row.
+    /// Of a table without names, of which this is the first row; `words` are the columns without any number.
     ///
     /// # Errors
     /// When its rows are no scans.
-    pub(super) fn bare(cells: &[String], rows: &[Vec<f64>]) -> Result<Self, Found> {
+    pub(super) fn bare(cells: &[String], words: &[bool], rows: &[Vec<f64>]) -> Result<Self, Found> {
         if is_echo(cells) {
             let is_shortened = |cell: &String| cell == "..." || cell.starts_with("<sequence type");
             if cells.iter().any(is_shortened) {
@@ -165,38 +204,51 @@ impl Layout {
                 ..layout
             });
         }
-        if cells.len() < LEAST_BARE_RANGES {
-            return Err(if cells.len() == 2 { Found::AngleTable } else { Found::PointTable });
-        }
-        let pattern = bare_pattern(rows);
-        let mut layout = Self::given(pattern, rows)?;
         // A label in words, or nothing, where every row ends in a separator.
         let has_no_number = |row: &Vec<f64>| row.len() == cells.len() && row.last().is_some_and(|cell| cell.is_nan());
-        let is_label = rows.len() > 1 && rows.iter().all(has_no_number);
-        if is_label {
-            layout.ranges.pop();
-        }
-        layout.taken = format!("without names, taken as `{pattern}` with {} ranges", layout.ranges.len());
-        if is_label && cells.last().is_some_and(|cell| !cell.is_empty()) {
-            layout.taken += &format!("; column {} (words) is not used", cells.len());
+        let ends_in_none = rows.len() > 1 && rows.iter().all(has_no_number);
+        let (last, is_words) = (cells.len() - 1, |column: usize| words.get(column) == Some(&true));
+        let is_left = |column: usize| (column < LEAST_TAIL || column == last) && is_words(column);
+        let is_kept = |column: &usize| !is_left(*column) && !(*column == last && ends_in_none);
+        let kept: Vec<usize> = (0..cells.len()).filter(is_kept).collect();
+        let of_kept =
+            |row: &Vec<f64>| kept.iter().map(|column| row.get(*column).copied().unwrap_or(f64::NAN)).collect();
+        let numbers: Vec<Vec<f64>> = rows.iter().map(of_kept).collect();
+        let pattern = if kept.len() >= LEAST_BARE_RANGES {
+            bare_pattern(&numbers).to_owned()
+        } else {
+            let found = if kept.len() == 2 { Found::AngleTable } else { Found::PointTable };
+            let is_time = |column: usize| numbers.iter().all(|row| EPOCHS.contains(&row[column]));
+            List::guess(&numbers, is_time).ok_or(found)?.join(",")
+        };
+        let mut names = expanded(&pattern, kept.len()).into_iter();
+        let names = (0..cells.len()).map(|column| if is_kept(&column) { names.next() } else { None });
+        let mut layout = Self::named(names.map(|name| name.unwrap_or_else(|| "-".to_owned())).collect(), rows)?;
+        let ranges =
+            if layout.ranges.is_empty() { String::new() } else { format!(" with {} ranges", layout.ranges.len()) };
+        layout.taken = format!("without names, taken as `{pattern}`{ranges}");
+        for column in (0..cells.len()).filter(|column| !is_kept(column) && !cells[*column].is_empty()) {
+            layout.taken += &format!("; column {} (words) is not used", column + 1);
         }
         Ok(layout)
     }
 
     /// The columns that stand alone: times, the frame and the geometry. A time whose first cell is no number is none.
-    fn find_singles(&mut self, names: &[Name], are_of_rostopic: bool, first: &[f64]) {
-        let (mut seconds, mut nanoseconds) = (None, None);
+    fn find_singles(&mut self, names: &[Name], are_of_rostopic: bool, rows: &[Vec<f64>]) {
+        let of = |column: usize| cells_of(rows, column);
+        let (mut seconds, mut nanoseconds, mut stamp, mut recorded) = (None, None, None, None);
         for (column, name) in names.iter().enumerate().filter(|(_, name)| name.number.is_none()) {
-            let first = first.get(column).copied().unwrap_or(f64::NAN);
-            let time = || {
-                let stated = UNITS_NS.iter().find(|(unit, _)| *unit == name.unit);
-                let unit_ns = if are_of_rostopic { 1.0 } else { stated.map_or_else(|| unit_ns(first), |(_, ns)| *ns) };
-                Some(Time { column, unit_ns, rest: None }).filter(|_| !first.is_nan())
-            };
+            // A unit that is not stated is 0, and found below.
+            let stated = UNITS_NS.iter().find(|(unit, _)| *unit == name.unit).map_or(0.0, |(_, ns)| *ns);
+            let unit_ns = if are_of_rostopic { 1.0 } else { stated };
+            let time =
+                || Some(Time { column, unit_ns, rest: None }).filter(|_| !of(column).next().is_none_or(f64::is_nan));
             match name.part {
-                Part::Stamp => self.stamp = self.stamp.or_else(time),
-                Part::Recorded => self.recorded = self.recorded.or_else(time),
-                Part::Seconds => seconds = seconds.or_else(time),
+                Part::Stamp => stamp = stamp.or_else(time),
+                Part::Recorded => recorded = recorded.or_else(time),
+                Part::Seconds => {
+                    seconds = seconds.or_else(|| Some(Time { unit_ns: NS_PER_S, ..time()? }));
+                }
                 Part::Nanoseconds => nanoseconds = nanoseconds.or(Some(column)),
                 Part::Frame => self.frame = self.frame.or(Some(column)),
                 Part::Field(field) => self.fields.push((column, field)),
@@ -204,11 +256,31 @@ impl Layout {
             }
         }
         match (seconds, nanoseconds) {
-            (Some(seconds), Some(_)) => self.stamp = Some(Time { rest: nanoseconds, unit_ns: NS_PER_S, ..seconds }),
-            (Some(_), None) => self.recorded = self.recorded.or(seconds),
+            (Some(seconds), Some(_)) => stamp = Some(Time { rest: nanoseconds, ..seconds }),
+            (Some(_), None) => recorded = recorded.or(seconds),
             _ => {}
         }
-        self.stamp = self.stamp.or(self.recorded);
+        // A unit that another column states decides; rows of a list are of no use for that.
+        let stated = [stamp, recorded].into_iter().flatten().find(|time| time.unit_ns > 0.0);
+        let known_ns = stated.and_then(|time| Some(of(time.column).next()? * time.unit_ns));
+        for time in [&mut stamp, &mut recorded].into_iter().flatten().filter(|time| time.unit_ns == 0.0) {
+            let is_list = names.len() < LEAST_BARE_RANGES && names.iter().any(|name| matches!(name.part, Part::Angle));
+            time.unit_ns = unit_ns(of(time.column), known_ns, if is_list { LONGEST_ROW_NS } else { LONGEST_NS });
+        }
+        let moves = |time: &Time| {
+            let steps_ns = time.steps_ns(rows);
+            let odd = steps_ns.iter().filter(|step_ns| **step_ns < 0.0 || **step_ns > LEAP_NS).count();
+            steps_ns.len() < 2
+                || (steps_ns.iter().any(|step_ns| *step_ns > 0.0) && STEPS_A_LEAP * odd <= steps_ns.len())
+        };
+        let counts = || {
+            let is_even = |column: usize| rows.windows(2).all(|pair| pair[1].get(column) > pair[0].get(column));
+            (0..names.len()).any(|column| matches!(names[column].part, Part::Turn | Part::Other) && is_even(column))
+        };
+        let is_zero = |time: &Time| of(time.column).all(|value| value == 0.0);
+        let moving = [stamp, recorded].into_iter().flatten().find(moves);
+        self.stamp = moving.or_else(|| stamp.or(recorded).filter(|time| !is_zero(time) && !counts()));
+        self.recorded = recorded.filter(moves).or(self.stamp);
     }
 
     /// The ranges are the columns of a name for ranges and a number, of which there are most with one name; or those that are
@@ -248,12 +320,46 @@ impl Layout {
         true
     }
 
+    /// A list has an angle and a distance in each row, or x and y.
+    fn find_list(&mut self, names: &[Name], rows: &[Vec<f64>]) -> bool {
+        let at = |is: &dyn Fn(&Name) -> bool| names.iter().position(|name| is(name) && !name.stem.is_empty());
+        let angle = at(&|name| matches!(name.part, Part::Angle));
+        let distance = at(&|name| matches!(name.part, Part::Ranges) && name.number.is_none());
+        let [x, y, z] =
+            ["x", "y", "z"].map(|axis| at(&|name| matches!(name.part, Part::Coordinate) && name.stem == axis));
+        let numbers = |column: &usize| rows.iter().all(|row| row.get(*column).is_some_and(|number| number.is_finite()));
+        let turn = at(&|name| matches!(name.part, Part::Turn)).or(self.frame).filter(numbers);
+        let stated = |column: usize, units: &[(&str, f64)]| {
+            units.iter().find(|(unit, _)| *unit == names[column].unit).map(|(_, value)| *value)
+        };
+        let columns = match (angle.zip(distance), x.zip(y)) {
+            (Some((first, second)), _) => {
+                let (unit_rad, unit_m) = (stated(first, &UNITS_RAD), stated(second, &UNITS_M));
+                Columns { first, second, turn, unit_rad, unit_m, ..Columns::default() }
+            }
+            (None, Some((first, second))) if angle.is_none() && (self.frame.is_none() || self.frame == turn) => {
+                let unit_m = stated(first, &UNITS_M);
+                Columns { first, second, third: z, are_points: true, turn, unit_m, ..Columns::default() }
+            }
+            _ => return false,
+        };
+        // Places that come as slowly as those of a vehicle are its way.
+        let is_slow = |time: Time| usual(time.steps_ns(rows)).is_some_and(|step_ns| step_ns >= SLOW_NS);
+        let is_way = columns.are_points && turn.is_none() && self.stamp.is_some_and(is_slow);
+        self.of_list = Some(columns).filter(|_| !is_way);
+        self.frame = self.frame.filter(|frame| Some(*frame) != turn);
+        self.of_list.is_some()
+    }
+
     /// What was taken for what.
     fn described(&self) -> String {
         let name = |column: usize| &self.names[column];
         let mut used: Vec<usize> = self.ranges.iter().copied().chain(self.list).chain(self.frame).collect();
         used.extend(self.fields.iter().map(|(column, _)| column));
+        let of_list = self.of_list.map(|list| [Some(list.first), Some(list.second), list.third, list.turn]);
+        used.extend(of_list.into_iter().flatten().flatten());
         let mut taken = match (self.list, &self.ranges[..]) {
+            _ if self.of_list.is_some() => format!("{} in each row", listed(used.iter().map(|column| name(*column)))),
             (None, [first, .., last]) => {
                 format!("`{}` to `{}` are the {} ranges", name(*first), name(*last), self.ranges.len())
             }
@@ -262,7 +368,9 @@ impl Layout {
         for (what, time) in [("stamp", self.stamp), ("time of recording", self.recorded)] {
             let Some(time) = time.filter(|time| !used.contains(&time.column)) else { continue };
             let columns = || [Some(time.column), time.rest].into_iter().flatten();
-            taken += &format!(", {what} by {}", listed(columns().map(name)));
+            let unit = UNITS_NS.iter().find(|(_, ns)| *ns == time.unit_ns && time.rest.is_none());
+            let unit = unit.map(|(unit, _)| format!(" in {unit}")).unwrap_or_default();
+            taken += &format!(", {what} by {}{unit}", listed(columns().map(name)));
             used.extend(columns());
         }
         if !self.fields.is_empty() {
@@ -291,7 +399,7 @@ impl Name {
     fn of(text: &str) -> Self {
         let mut rest = text.trim().to_lowercase();
         let (mut number, mut unit) = (None, String::new());
-        let is_unit = |word: &str| UNITS_M.iter().chain(&UNITS_NS).any(|(unit, _)| *unit == word);
+        let is_unit = |word: &str| UNITS_M.iter().chain(&UNITS_NS).chain(&UNITS_RAD).any(|(unit, _)| *unit == word);
         loop {
             rest.truncate(rest.trim_end_matches(|c: char| !c.is_alphanumeric()).len());
             let word_at = rest.trim_end_matches(char::is_alphanumeric).len();
@@ -344,9 +452,31 @@ fn bearings_rad(bearings: &[f64]) -> Option<[f64; 2]> {
     (is_even && is_turn && !is_count).then_some([first * to_rad, last * to_rad])
 }
 
-/// Nanoseconds in the unit of a time without a stated one: it lies in this century, or it is in seconds.
-fn unit_ns(time: f64) -> f64 {
-    [(1e17, 1.0), (1e14, 1e3), (1e11, 1e6)].iter().find(|(from, _)| time >= *from).map_or(NS_PER_S, |(_, unit)| *unit)
+/// Nanoseconds in the unit of times without a stated one: that by which they are nearest to a time that is known; else
+/// they lie in this century or are in seconds, unless a scan would take too long by that.
+fn unit_ns(mut times: impl Iterator<Item = f64> + Clone, known_ns: Option<f64>, longest_ns: f64) -> f64 {
+    let steps = times.clone().zip(times.clone().skip(1)).map(|(before, after)| after - before);
+    let step = usual(steps.filter(|step| *step > 0.0).collect()).unwrap_or(0.0);
+    let first = times.next().unwrap_or(f64::NAN);
+    if let Some(known_ns) = known_ns.filter(|known_ns| *known_ns > 0.0) {
+        let off = |unit_ns: f64| (first * unit_ns / known_ns).ln().abs();
+        return UNITS_NS.map(|(_, ns)| ns).into_iter().min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap_or(NS_PER_S);
+    }
+    let by_size = [(1e17, 1.0), (1e14, 1e3), (1e11, 1e6)].iter().find(|(from, _)| first >= *from);
+    let smaller = UNITS_NS.iter().rev().map(|(_, ns)| *ns);
+    let by_size = by_size.map_or(NS_PER_S, |(_, unit)| *unit);
+    let fits = |unit_ns: &f64| *unit_ns <= by_size && step * unit_ns <= longest_ns;
+    smaller.into_iter().find(fits).unwrap_or(by_size)
+}
+
+/// Names of this many columns, as a pattern gives them: a `*` in a name stands for the numbers from 0 on that the
+/// others leave.
+fn expanded(pattern: &str, columns: usize) -> Vec<String> {
+    let names: Vec<&str> = pattern.split(',').map(str::trim).collect();
+    let left = (columns + 1).saturating_sub(names.len());
+    let many = |name: &str| if name.contains('*') { left } else { 1 };
+    let numbered = names.iter().flat_map(|name| (0..many(name)).map(|number| name.replace('*', &number.to_string())));
+    numbered.collect()
 }
 
 /// Whether a row begins with the header of a message.

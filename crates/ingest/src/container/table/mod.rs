@@ -1,27 +1,37 @@
-//! Tables of ranges, such as CSV: one scan a row. What its columns hold is known by their names ([`layout`]), which
-//! `csv.columns` gives where the table does not; where its beams look, settings say where no column does.
+//! Tables of ranges, such as CSV: one scan a row, or one return a row ([`list`]). What its columns hold is known by
+//! their names ([`layout`]), which `csv.columns` gives where the table does not; where its beams look, settings say
+//! where no column does.
 
 mod layout;
+mod list;
 
 use std::collections::{BTreeMap, VecDeque};
 use std::io::{self, BufReader, Seek as _};
 use std::path::Path;
 
-use crosscut_messages::{CDR_ENCODING, Endian, Header, LaserScan, Message as _, SCAN_TOPIC, SCHEMA_ENCODING, Time};
+use crosscut_messages::{
+    CDR_ENCODING, Endian, Header, LaserScan, Message as _, POINTS_TOPIC, PointCloud2, SCAN_TOPIC, SCHEMA_ENCODING, Time,
+};
 use crosscut_sensor::{CsvGeometry, rescale};
 use csv::StringRecord;
 
 use self::layout::{Layout, NS_PER_S};
+use self::list::{List, Row, Seen};
 use super::lines::{Line, LineFormat, next_line};
 use super::resting_file::RestingFile;
 use super::{ChannelId, Message, Topic};
 use crate::{Found, IngestError};
 
-/// The only channel.
+/// The only channel; of a list of points, its clouds.
 const SCANS: ChannelId = 0;
+/// What a row of a list that cannot be read is lost of: it is no message.
+const ROWS: ChannelId = 1;
 /// This many rows show what the columns hold; less, if they take more than that.
 const SAMPLED_ROWS: usize = 64;
 const SAMPLED_BYTES: usize = 16 << 20;
+/// Of rows that are as short as those of a list, so many bytes do.
+const LIST_BYTES: usize = 1 << 19;
+const SHORT_BYTES: usize = 160;
 /// The words that stand for no number, in small letters.
 const NO_NUMBER: [&str; 6] = ["", "na", "n/a", "none", "null", "-"];
 /// Ranges may be this many more or fewer than the angles of their row state, beside this share of them.
@@ -33,6 +43,7 @@ pub(super) struct Table {
     settings: CsvGeometry,
     dialect: Dialect,
     layout: Layout,
+    list: Option<List>,
     /// Line of the first row, and the line with the names, which may come again where files were joined.
     first_row: u64,
     header: Option<String>,
@@ -51,7 +62,7 @@ impl Table {
         let states_directions = |line: &Line| {
             table.scan(line).is_ok_and(|(scan, _)| scan.angle_min.is_finite() && scan.angle_max.is_finite())
         };
-        if table.settings.is_known() || rows.iter().any(states_directions) {
+        if table.list.is_some() || table.settings.is_known() || rows.iter().any(states_directions) {
             Ok(table)
         } else {
             Err(IngestError::NoGeometry { path: path.to_owned(), columns: table.layout.taken })
@@ -66,6 +77,7 @@ impl Table {
         let [first, rest @ ..] = &lines[..] else { return Err(Found::Text) };
         let dialect = Dialect::of(&rest.first().unwrap_or(first).text);
         let cells_of = |line: &Line| dialect.cells(&line.text).iter().map(str::to_owned).collect::<Vec<_>>();
+        let is_word = |cell: &String| !cell.is_empty() && dialect.number(cell).is_none();
         let numbers_of = |line: &Line| dialect.numbers(&dialect.cells(&line.text));
         let next = rest.first().map(numbers_of).unwrap_or_default();
         let header = if layout::are_names(&cells_of(first), &numbers_of(first), &next) {
@@ -88,14 +100,22 @@ impl Table {
             let names: Vec<_> = dialect.cells(names_in(&header.text)).iter().map(str::to_owned).collect();
             Layout::named(names, &rows)?
         } else {
-            Layout::bare(&cells, &rows)?
+            let mut words: Vec<bool> = cells.iter().map(is_word).collect();
+            for line in lines.iter().take(SAMPLED_ROWS) {
+                words.iter_mut().zip(cells_of(line)).for_each(|(words, cell)| *words &= is_word(&cell));
+            }
+            Layout::bare(&cells, &words, &rows)?
         };
+        let list = layout.of_list.map(|columns| {
+            List::of(columns, &rows).ok_or(if columns.are_points { Found::PointTable } else { Found::AngleTable })
+        });
+        let list = list.transpose()?;
         let header = header.map(|header| header.text);
         let mut settings = settings.clone();
         if let Some([first_rad, last_rad]) = layout.bearings_rad.filter(|_| !settings.is_known()) {
             (settings.first_rad, settings.last_rad) = (first_rad, last_rad);
         }
-        let table = Self { settings, dialect, layout, first_row: first.number, header };
+        let table = Self { settings, dialect, layout, list, first_row: first.number, header };
         if table.layout.is_echo && table.scan(first).is_err() {
             return Err(Found::OtherTable(String::new()));
         }
@@ -155,6 +175,51 @@ impl Table {
         Ok((scan, time(layout.recorded)?.unwrap_or(stamp_ns)))
     }
 
+    /// The turn before the row of a list, if that row begins another.
+    fn take_row(&mut self, line: &Line) -> Result<Option<Message>, String> {
+        let row = self.dialect.cells(&line.text);
+        let mut cells: Vec<&str> = row.iter().collect();
+        let columns = self.layout.names.len();
+        if cells.len() == columns + 1 && cells.last() == Some(&"") {
+            cells.pop(); // some writers end every row by a separator
+        }
+        if cells.len() != columns {
+            return Err(format!("it has {} columns, the first line has {columns}", cells.len()));
+        }
+        let time = |time: Option<layout::Time>| time.map(|time| self.time_ns(time, &cells)).transpose();
+        let times_ns = [time(self.layout.stamp)?, time(self.layout.recorded)?];
+        let number = |column: usize| self.dialect.number(cells[column]);
+        let Some(list) = &mut self.list else { return Ok(None) };
+        let used = [Some(list.columns.first), Some(list.columns.second), list.columns.third, list.columns.turn];
+        if let Some(wrong) = used.into_iter().flatten().find(|column| number(*column).is_none()) {
+            return Err(format!("`{:.20}` in column {} is no number", cells[wrong], wrong + 1));
+        }
+        if number(list.columns.first).is_none_or(f64::is_nan) {
+            return Err("it has no angle".to_owned());
+        }
+        let turn = list.take(|column| number(column).unwrap_or(f64::NAN), times_ns);
+        Ok(turn.map(|turn| self.message(turn)))
+    }
+
+    /// The turn of a list that this row is the first of.
+    fn message(&self, (seen, first): (Seen, Row)) -> Message {
+        let turns = self.list.as_ref().map_or(1, |list| list.turns);
+        let [stamp_ns, recorded_ns] = first.times_ns;
+        let stamp_ns = stamp_ns.unwrap_or_else(|| (turns as f64 * NS_PER_S / self.settings.rate_hz).round() as u64);
+        let header = Header { stamp: Time::from_ns(stamp_ns), frame_id: "laser".to_owned() };
+        let data = match seen {
+            Seen::Scan(mut scan) => {
+                scan.range_max = self.settings.range_max_m as f32;
+                LaserScan { header, ..scan }.encode(Endian::Little)
+            }
+            Seen::Cloud(mut cloud) => {
+                cloud.header = header;
+                PointCloud2::from(&cloud).encode(Endian::Little)
+            }
+        };
+        Message { channel: SCANS, log_time_ns: recorded_ns.unwrap_or(stamp_ns), data, damage: None }
+    }
+
     fn ranges<'a>(&self, cells: impl Iterator<Item = &'a str>) -> Result<Vec<f32>, String> {
         let range = |cell: &str| self.dialect.number(cell).ok_or_else(|| format!("`{cell:.20}` is no range"));
         cells.map(|cell| Ok(range(cell)? as f32)).collect()
@@ -191,21 +256,42 @@ impl LineFormat for Table {
     const NAME: &'static str = "table of ranges";
     const LAST_WORD_COUNTS: bool = true;
 
-    fn survey(&mut self, _: &Line) {}
+    fn survey(&mut self, line: &Line) {
+        if self.list.is_some() {
+            let _ = self.read(line, &mut VecDeque::new()); // errors are counted when the file is read
+        }
+    }
 
     fn properties(&self) -> Vec<(&'static str, String)> {
-        vec![("columns", format!("{}; between {}", self.layout.taken, self.dialect.name()))]
+        let columns = format!("{}; between {}", self.layout.taken, self.dialect.name());
+        let of_list = self.list.iter().flat_map(|list| [("rows", list.described()), ("turns", list.found())]);
+        [("columns", columns)].into_iter().chain(of_list).collect()
     }
 
     fn channels(&self) -> BTreeMap<ChannelId, Topic> {
+        let are_points = self.list.as_ref().is_some_and(|list| list.columns.are_points);
+        let [topic, type_name] =
+            if are_points { [POINTS_TOPIC, PointCloud2::SCHEMA_NAME] } else { [SCAN_TOPIC, LaserScan::SCHEMA_NAME] };
         let [name, type_name, encoding, schema_encoding] =
-            [SCAN_TOPIC, LaserScan::SCHEMA_NAME, CDR_ENCODING, SCHEMA_ENCODING].map(str::to_owned);
+            [topic, type_name, CDR_ENCODING, SCHEMA_ENCODING].map(str::to_owned);
         [(SCANS, Topic { name, type_name, encoding, schema_encoding })].into()
     }
 
-    fn read(&self, line: &Line, out: &mut VecDeque<Message>) -> Result<(), (ChannelId, String)> {
+    fn read(&mut self, line: &Line, out: &mut VecDeque<Message>) -> Result<(), (ChannelId, String)> {
+        match &mut self.list {
+            Some(list) if line.number == self.first_row => list.restart(),
+            Some(list) if line.number == Line::END => {
+                let last = list.turn();
+                out.extend(last.map(|turn| self.message(turn)));
+            }
+            _ => {}
+        }
         let is_row = line.number >= self.first_row && !line.text.trim().is_empty() && !is_comment(&line.text);
         if !is_row || self.header.as_ref() == Some(&line.text) {
+            return Ok(());
+        }
+        if self.list.is_some() {
+            out.extend(self.take_row(line).map_err(|cause| (ROWS, cause))?);
             return Ok(());
         }
         let (scan, log_time_ns) = self.scan(line).map_err(|cause| (SCANS, cause))?;
@@ -218,7 +304,8 @@ impl LineFormat for Table {
 fn first_lines(file: &mut RestingFile) -> io::Result<Vec<Line>> {
     let mut input = BufReader::new(&mut *file);
     let (mut lines, mut number, mut bytes) = (Vec::<Line>::new(), 0, 0);
-    while lines.len() <= SAMPLED_ROWS && bytes < SAMPLED_BYTES {
+    let is_list = |lines: usize, bytes: usize| bytes < LIST_BYTES.min(SHORT_BYTES * lines);
+    while (lines.len() <= SAMPLED_ROWS || is_list(lines.len(), bytes)) && bytes < SAMPLED_BYTES {
         let Some(line) = next_line(&mut input, &mut number)? else { break };
         bytes += line.text.len();
         // Of comments before the first row, the last may have the names.
