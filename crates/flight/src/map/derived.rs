@@ -7,15 +7,18 @@ use crosscut_stage::{DisjointSets, wrap_angle_rad};
 use nalgebra::Point2;
 
 use super::log::{Link, Log, flown_sd_m};
-use super::visit::FLOWN_WAY_RAD;
+use super::visit::{FLOWN_WAY_RAD, Visit};
 use super::{Decided, Map, Node, NodeWay, Passage};
-use crate::{HereKind, Way};
+use crate::HereKind;
 
 /// Between two visits of one node, a passage is longer than this.
 const TURN_M: f64 = 8.0;
 
 /// A vehicle that comes back to the node that it left, by a way no longer than this many looks, only turned.
 const TURN_LOOKS: f64 = 1.5;
+
+/// Ways of two visits whose directions differ by less may be one.
+const SAME_WAY_RAD: f64 = 0.6;
 
 /// The map that a log has, and how its visits stand on that map.
 #[derive(Clone, Debug)]
@@ -34,11 +37,39 @@ pub(super) struct Derived {
 pub(super) struct Place {
     /// Its visits, in order.
     pub(super) visits: Vec<usize>,
-    /// The visit in whose frame the place is: its first one, or the first one to a junction. What looked like a dead end before
-    /// was a part of that.
+    /// The visit in whose frame the place is: its first one, or the first one to a junction. What looked like a dead
+    /// end before was a part of that.
     pub(super) first: usize,
     /// Directions of its ways in that frame, anticlockwise.
     pub(super) ways_rad: Vec<f64>,
+    /// The belief in each number of ways, summed over its visits.
+    belief: BTreeMap<usize, f64>,
+}
+
+impl Place {
+    /// The number of ways that is believed most, over all visits up to this one, holds: one may have missed a way. What
+    /// was flown is certain: a visit that did not see all of that does not count.
+    fn count_ways(&mut self, log: &Log, number: usize, node: &mut Node) {
+        let visit = &log.visits[number];
+        if visit.kind != node.kind {
+            return;
+        }
+        *self.belief.entry(visit.ways.len()).or_default() += visit.belief;
+        let most = self.belief.iter().max_by(|a, b| a.1.total_cmp(b.1)).map(|(ways, _)| *ways);
+        if most != Some(visit.ways.len()) || visit.ways.len() == node.ways.len() {
+            return;
+        }
+        let mut ways = ways_of(visit, log.turned_rad(self.first, number));
+        for flown in node.ways.iter().filter(|way| way.taken) {
+            let Some(same) = nearest_way(&ways, flown.bearing_rad) else { return };
+            let same = &mut ways[same];
+            if same.taken || wrap_angle_rad(same.bearing_rad - flown.bearing_rad).abs() >= SAME_WAY_RAD {
+                return;
+            }
+            same.taken = true;
+        }
+        node.ways = ways;
+    }
 }
 
 /// A leg between two ways.
@@ -60,36 +91,24 @@ fn nodes_of(log: &Log) -> Vec<usize> {
     sets.number_components().iter().map(|&node| node as usize).collect()
 }
 
-/// Whether the vehicle, back at the node that it left, was not beyond the look or flew no way in between that is worth a passage.
+/// Whether the vehicle, back at the node that it left, was not beyond the look or flew no way in between that is worth
+/// a passage.
 fn only_turned(log: &Log, leg: usize) -> bool {
     let length_m = log.legs[leg].length_m.unwrap_or_default();
     log.legs[leg].beyond_m.is_none() || length_m < TURN_M.max(TURN_LOOKS * log.visits[leg + 1].look_m)
 }
 
-/// A node with the ways that its visits saw. Of the numbers of ways the one that is believed most, over all visits, holds: one
-/// may have missed a way. Bearings are in the frame of the place.
-fn seen(log: &Log, visits: Vec<usize>) -> (Place, Node) {
+/// A node as the visit in whose frame the place is saw the ways. Bearings are in that frame.
+fn first_seen(log: &Log, visits: Vec<usize>) -> (Place, Node) {
     let is_junction = |visit: &&usize| log.visits[**visit].kind == HereKind::Junction;
     let first = *visits.iter().find(is_junction).unwrap_or(&visits[0]);
-    let kind = log.visits[first].kind;
-    let (mut saw, mut belief) = (first, BTreeMap::new());
-    for &visit in visits.iter().filter(|visit| log.visits[**visit].kind == kind) {
-        let ways = log.visits[visit].ways.len();
-        *belief.entry(ways).or_default() += log.visits[visit].belief;
-        let most = belief.iter().max_by(|a, b| f64::total_cmp(a.1, b.1)).map(|(ways, _)| *ways);
-        if most == Some(ways) && ways != log.visits[saw].ways.len() {
-            saw = visit;
-        }
-    }
-    let turned_rad = log.turned_rad(first, saw);
-    let way = |way: &Way| new_way(wrap_angle_rad(way.bearing_rad + turned_rad), way.width_m);
     let node = Node {
-        kind,
+        kind: log.visits[first].kind,
         position_m: Point2::from(log.graph.poses[first].translation.vector),
-        ways: log.visits[saw].ways.iter().map(way).collect(),
+        ways: ways_of(&log.visits[first], 0.0),
         visits: visits.iter().map(|&visit| log.visits[visit].time_ns).collect(),
     };
-    (Place { visits, first, ways_rad: Vec::new() }, node)
+    (Place { visits, first, ways_rad: Vec::new(), belief: BTreeMap::new() }, node)
 }
 
 impl Derived {
@@ -97,7 +116,7 @@ impl Derived {
         let node_of = nodes_of(log);
         let mut visits = vec![Vec::new(); node_of.iter().max().map_or(0, |last| last + 1)];
         (0..node_of.len()).for_each(|visit| visits[node_of[visit]].push(visit));
-        let (mut places, mut nodes): (Vec<Place>, Vec<Node>) = visits.into_iter().map(|of| seen(log, of)).unzip();
+        let (mut places, mut nodes): (Vec<Place>, Vec<Node>) = visits.into_iter().map(|of| first_seen(log, of)).unzip();
         let is_turn =
             |leg: usize| log.legs[leg].length_m.is_some() && node_of[leg] == node_of[leg + 1] && only_turned(log, leg);
         let leg_to = |visit: usize| visit.checked_sub(1).filter(|&leg| log.legs[leg].length_m.is_some());
@@ -117,14 +136,21 @@ impl Derived {
             leg.has_left.then(|| direction_rad() + log.turned_rad(places[node_of[visit]].first, visit))
         };
         let flown: Vec<[Option<f64>; 2]> = (0..node_of.len()).map(|visit| [came_rad(visit), left_rad(visit)]).collect();
-        for (visit, [came_rad, left_rad]) in flown.iter().enumerate() {
-            let ways = &mut nodes[node_of[visit]];
+        for (visit, &[came_rad, left_rad]) in flown.iter().enumerate() {
+            let (place, node) = (&mut places[node_of[visit]], &mut nodes[node_of[visit]]);
+            place.count_ways(log, visit, node);
             let width_m = |leg: Option<usize>| leg.and_then(|leg| log.legs[leg].width_m);
             if let Some(rad) = came_rad {
-                add_missed(ways, *rad, width_m(leg_to(visit)));
+                add_missed(node, rad, width_m(leg_to(visit)));
+                take(node, rad);
             }
-            if let Some(rad) = left_rad.filter(|_| log.legs[visit].beyond_m.is_some()) {
-                add_missed(ways, rad, width_m(Some(visit)));
+            if let Some(rad) = left_rad {
+                if log.legs[visit].beyond_m.is_some() {
+                    add_missed(node, rad, width_m(Some(visit)));
+                }
+                if !is_turn(visit) {
+                    take(node, rad);
+                }
             }
         }
         for (place, node) in places.iter_mut().zip(&nodes) {
@@ -132,28 +158,23 @@ impl Derived {
         }
         let end = |visit: usize, rad: Option<f64>| {
             let node = node_of[visit];
-            rad.and_then(|rad| nearest_way(&places[node].ways_rad, rad)).map(|way| (node, way))
+            rad.and_then(|rad| nearest_way(&nodes[node].ways, rad)).map(|way| (node, way))
         };
         let mut left_by = None;
         let mut courses: Vec<Course> = Vec::new();
         for (visit, [came_rad, left_rad]) in flown.into_iter().enumerate() {
             let came_by = end(visit, came_rad);
-            if let Some((node, way)) = came_by {
-                nodes[node].ways[way].taken = true;
-            }
             if let (Some(leg), Some(from), Some(to)) = (leg_to(visit), left_by, came_by) {
                 let length_m = log.legs[leg].length_m.unwrap_or_default();
                 let is_first = places[to.0].visits[0] == visit;
                 add_course(&mut courses, log, &places, Course { leg, ends: [from, to], length_m }, is_first);
             }
             left_by = end(visit, left_rad);
-            if let Some((node, way)) = left_by.filter(|_| !is_turn(visit)) {
-                nodes[node].ways[way].taken = true;
-            }
         }
         let passages = courses.iter().enumerate().map(|(number, course)| {
             for (node, way) in course.ends {
-                nodes[node].ways[way].passage = Some(number);
+                let way = &mut nodes[node].ways[way];
+                (way.taken, way.passage) = (true, Some(number));
             }
             course.passage(log, &nodes)
         });
@@ -181,7 +202,8 @@ impl Derived {
     }
 }
 
-/// What was flown is certain: if a junction has no way in a direction in which the vehicle flew, the visits have missed that way.
+/// What was flown is certain: if a junction has no way in a direction in which the vehicle flew, the visits have missed
+/// that way.
 fn add_missed(node: &mut Node, direction_rad: f64, width_m: Option<f64>) {
     let off_rad = |way: &NodeWay| wrap_angle_rad(way.bearing_rad - direction_rad).abs();
     if node.kind != HereKind::Junction || node.ways.iter().any(|way| off_rad(way) <= FLOWN_WAY_RAD) {
@@ -194,8 +216,8 @@ fn add_missed(node: &mut Node, direction_rad: f64, width_m: Option<f64>) {
     node.ways.insert(before.map_or(0, |before| before + 1), way);
 }
 
-/// Adds a leg between two ways as a passage, unless a way of the two has one. A new place before the end of a known passage
-/// divides that passage: what is known of it leads elsewhere.
+/// Adds a leg between two ways as a passage, unless a way of the two has one. A new place before the end of a known
+/// passage divides that passage: what is known of it leads elsewhere.
 fn add_course(courses: &mut Vec<Course>, log: &Log, places: &[Place], course: Course, is_first: bool) {
     let [from, to] = course.ends;
     let leads = |courses: &[Course], end: (usize, usize)| courses.iter().position(|known| known.ends.contains(&end));
@@ -237,9 +259,22 @@ impl Course {
 }
 
 /// The way nearest to a direction.
-fn nearest_way(ways_rad: &[f64], direction_rad: f64) -> Option<usize> {
-    let off_rad = |way: &usize| wrap_angle_rad(ways_rad[*way] - direction_rad).abs();
-    (0..ways_rad.len()).min_by(|a, b| off_rad(a).total_cmp(&off_rad(b)))
+fn nearest_way(ways: &[NodeWay], direction_rad: f64) -> Option<usize> {
+    let off_rad = |way: &usize| wrap_angle_rad(ways[*way].bearing_rad - direction_rad).abs();
+    (0..ways.len()).min_by(|a, b| off_rad(a).total_cmp(&off_rad(b)))
+}
+
+/// The vehicle flew in this direction.
+fn take(node: &mut Node, direction_rad: f64) {
+    if let Some(way) = nearest_way(&node.ways, direction_rad) {
+        node.ways[way].taken = true;
+    }
+}
+
+/// The ways of a visit that is turned by this much.
+fn ways_of(visit: &Visit, turned_rad: f64) -> Vec<NodeWay> {
+    let ways = visit.ways.iter().map(|way| new_way(wrap_angle_rad(way.bearing_rad + turned_rad), way.width_m));
+    ways.collect()
 }
 
 fn new_way(bearing_rad: f64, width_m: f64) -> NodeWay {
@@ -253,10 +288,11 @@ mod tests {
     use nalgebra::{Isometry2, Vector2};
 
     use super::*;
+    use crate::Way;
     use crate::map::outline::{Fit, Walls};
-    use crate::map::visit::Visit;
 
-    /// A visit to a junction with ways along x, to the left and back: where it is, at which length of the flight, and how long.
+    /// A visit to a junction with ways along x, to the left and back: where it is, at which length of the flight, and
+    /// how long.
     fn visit([x_m, y_m]: [f64; 2], at_m: f64, came_from_m: [f64; 2], left_to_m: [f64; 2]) -> Visit {
         let way = |bearing_rad| Way { bearing_rad, width_m: 4.0, opening: None };
         Visit {

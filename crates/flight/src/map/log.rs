@@ -1,5 +1,5 @@
-//! What a flight has shown of its places: visits, what was flown between them, and which of them are to one place. A log only
-//! grows; places, ways and passages are derived from the log.
+//! What a flight has shown of its places: visits, what was flown between them, and which of them are to one place. A
+//! log only grows; places, ways and passages are derived from the log.
 
 use nalgebra::{Isometry2, Point2, Vector2};
 
@@ -43,8 +43,8 @@ pub(super) struct Log {
 pub(super) struct Leg {
     /// The visit ended because the vehicle left.
     pub(super) has_left: bool,
-    /// Where the vehicle was first beyond the look, in the frame of the anchor: a wide place may be no node any more while the
-    /// vehicle still is in its middle.
+    /// Where the vehicle was first beyond the look, in the frame of the anchor: a wide place may be no node any more
+    /// while the vehicle still is in its middle.
     pub(super) beyond_m: Option<Vector2<f64>>,
     /// Mean width of what was flown through.
     pub(super) width_m: Option<f64>,

@@ -21,8 +21,8 @@ use crate::{FlightAnswer, HereKind, PoseGraph};
 pub struct Mapper {
     pub(super) log: Log,
     open: Option<OpenVisit>,
-    /// A visit that has ended at a place that was seen from its edge alone, until the vehicle is beyond it; and where the vehicle
-    /// left to.
+    /// A visit that has ended at a place that was seen from its edge alone, until the vehicle is beyond it; and where
+    /// the vehicle left to.
     seen_from_edge: Option<(OpenVisit, Isometry2<f64>)>,
     way: Travelled,
     passed: Passed,
@@ -101,8 +101,8 @@ impl Mapper {
         self.open.as_ref().is_some_and(OpenVisit::is_believed)
     }
 
-    /// Where the vehicle is on the map up to now; `None` before the first node. It compares the place with those that are
-    /// known, which takes longer than a revolution: ask when it matters.
+    /// Where the vehicle is on the map up to now; `None` before the first node. It compares the place with those that
+    /// are known, which takes longer than a revolution: ask when it matters.
     pub fn located(&self) -> Option<Located> {
         let log = self.ended();
         let last = log.last()?;
@@ -111,8 +111,8 @@ impl Mapper {
         Some(Located { map, node: node_of[last], correction, visits: log.graph.poses })
     }
 
-    /// Standard deviation of a pose as tracked now, as seen from where the flight began, by the best way over the places that
-    /// were visited since; `None` if that is not known.
+    /// Standard deviation of a pose as tracked now, as seen from where the flight began, by the best way over the
+    /// places that were visited since; `None` if that is not known.
     pub fn from_start_sd_m(&self, tracked: &Isometry2<f64>) -> Option<f64> {
         let place_m = Point2::from(tracked.translation.vector);
         let Some(last) = self.log.last() else { return self.doubt.from_start_sd_m(place_m) };
@@ -143,7 +143,8 @@ impl Mapper {
         }
     }
 
-    /// How the poses that follow lie to those before is not known: the vehicle came to the next place by no way that is.
+    /// How the poses that follow lie to those before is not known: the vehicle came to the next place by no way that
+    /// is.
     fn end_stretch(&mut self) {
         self.end_visits();
         self.log.is_cut = true;

@@ -15,11 +15,12 @@ use super::outline::{APART_M, Fit};
 use super::stretch::Guesses;
 use crate::HereKind;
 
-/// Two anchors of one place are at most this many looks apart, or [`ANCHORS_M`] if that is more, and [`DEVIATIONS`] more.
+/// Two anchors of one place are at most this many looks apart, or [`ANCHORS_M`] if that is more, and [`DEVIATIONS`]
+/// more.
 const ANCHORS_LOOKS: f64 = 0.75;
 
-/// Poses are off by at most this many standard deviations. Those of all legs since a place add up: a heading error moves
-/// everything after it.
+/// Poses are off by at most this many standard deviations. Those of all legs since a place add up: a heading error
+/// moves everything after it.
 const DEVIATIONS: f64 = 3.0;
 
 /// Headings are known to within this, and within [`DEVIATIONS`] of the pose more.
@@ -31,10 +32,12 @@ const EXPECTED_SHARE: f64 = 0.55;
 /// The share of the place at the end of a known passage is at most this much less than that of any other place.
 const EXPECTED_BEHIND: f64 = 0.08;
 
-/// The way flown along a known passage differs from its length by less than this, and [`LENGTH_OFF_SHARE`] of the length more.
+/// The way flown along a known passage differs from its length by less than this, and [`LENGTH_OFF_SHARE`] of the
+/// length more.
 const LENGTH_OFF_M: f64 = 2.0;
 
-/// The way flown along a known passage differs from its length by less than this share of it, and [`LENGTH_OFF_M`] more.
+/// The way flown along a known passage differs from its length by less than this share of it, and [`LENGTH_OFF_M`]
+/// more.
 const LENGTH_OFF_SHARE: f64 = 0.15;
 
 /// Below this share an outline is no reason to think of a place.
@@ -64,7 +67,8 @@ impl Guesses {
             if apart.translation.vector.norm() > anchors_m + DEVIATIONS * sd_m {
                 continue;
             }
-            // A fit reaches no farther than `APART_M`: all of `anchors_m` on the side where the pose takes the anchor to be.
+            // A fit reaches no farther than `APART_M`: all of `anchors_m` on the side where the pose takes the anchor
+            // to be.
             let about_m = apart.translation.vector.cap_magnitude((anchors_m - APART_M).max(0.0));
             let yaw_off_rad = (HEADING_RAD + DEVIATIONS * heading_rad2.sqrt()).min(PI);
             // A way may have been missed on one of the visits: then the walls alone tell. A dead end has but one.

@@ -8,8 +8,8 @@ use super::travelled::Travelled;
 use super::visit::Visit;
 use crate::HereKind;
 
-/// Two visits in a row are one stay if all of the way between them is nearer to the first visit than this many looks. The three
-/// values are for visits of which none, one, both were in the middle of the place.
+/// Two visits in a row are one stay if all of the way between them is nearer to the first visit than this many looks.
+/// The three values are for visits of which none, one, both were in the middle of the place.
 const NEAR_LOOKS: [f64; 3] = [1.2, 0.9, 0.6];
 
 /// Two visits in a row that are nearer to each other than this many looks are one stay, whatever ways they saw.
@@ -21,8 +21,8 @@ const SAME_MOUTH_RAD: f64 = 0.6;
 /// A mouth that is nearer to an anchor than this many of its looks need not be a mouth from there.
 const MOUTH_OUTSIDE: f64 = 0.7;
 
-/// Whether the vehicle is still at the node that it left last, of this kind: a place is what lies within the look, and the two
-/// looks are of much the same space.
+/// Whether the vehicle is still at the node that it left last, of this kind: a place is what lies within the look, and
+/// the two looks are of much the same space.
 pub(super) fn is_still_at(log: &Log, kind: HereKind, visit: &Visit, way: &Travelled) -> bool {
     let Some(number) = log.last() else { return false };
     let last = &log.visits[number];
@@ -38,8 +38,8 @@ pub(super) fn is_still_at(log: &Log, kind: HereKind, visit: &Visit, way: &Travel
         && way.between(last, visit).all(|place_m| is_near((to_last * place_m).coords.norm()))
 }
 
-/// Whether a visit saw the mouths that the one before saw, or the other way round, of those that are not within the other's
-/// look: two places that stand close each have a mouth of their own.
+/// Whether a visit saw the mouths that the one before saw, or the other way round, of those that are not within the
+/// other's look: two places that stand close each have a mouth of their own.
 fn has_mouths_of(last: &Visit, visit: &Visit) -> bool {
     let sees = |own: &Visit, other: &Visit| {
         let seen = |mouth_m: &Point2<f64>| (own.anchor.inverse() * mouth_m).coords;

@@ -15,8 +15,8 @@ const GUESSED_SHARE: f64 = 0.85;
 /// A placement of a stretch needs this many other places in support.
 const AGREED_PLACES: usize = 2;
 
-/// A placement of a stretch needs this many more places in support than any rival: along a row of places that look alike, all but
-/// one support a placement that is shifted by one place.
+/// A placement of a stretch needs this many more places in support than any rival: along a row of places that look
+/// alike, all but one support a placement that is shifted by one place.
 const AGREED_LEAD: usize = 2;
 
 /// Two visits agree on the heading of a stretch within this.
@@ -35,8 +35,8 @@ pub(super) struct Guesses {
 struct Guess {
     /// A visit to the place.
     of: usize,
-    /// The number of its [group](groups): how the places of two groups lie to each other is not known, so that they do not
-    /// agree.
+    /// The number of its [group](groups): how the places of two groups lie to each other is not known, so that they do
+    /// not agree.
     group: u32,
     /// Brings tracked poses into the map's frame.
     stretch: Isometry2<f64>,
@@ -47,7 +47,8 @@ struct Guess {
 struct Elsewhere {
     /// Each with its group. Of groups that have enough places to show where a stretch lies.
     many: Vec<(usize, u32)>,
-    /// Of groups of [`AGREED_PLACES`], which may but contradict: what one of these would have, the stretch has to have more of.
+    /// Of groups of [`AGREED_PLACES`], which may but contradict: what one of these would have, the stretch has to have
+    /// more of.
     pairs: Vec<(usize, u32)>,
 }
 
@@ -91,9 +92,9 @@ fn resembling(log: &Log, map: &Derived, visit: usize, places: &[(usize, u32)]) -
 }
 
 impl Guesses {
-    /// Of places that the latest visit may be to although no known way leads there: the one that agrees with what other visits
-    /// since may have been to. Three places in their right relation are no chance, unless places stand in a row; one may look like
-    /// many.
+    /// Of places that the latest visit may be to although no known way leads there: the one that agrees with what other
+    /// visits since may have been to. Three places in their right relation are no chance, unless places stand in a row;
+    /// one may look like many.
     pub(super) fn place_stretch(
         &mut self,
         log: &Log,

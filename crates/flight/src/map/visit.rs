@@ -26,10 +26,12 @@ const LEAST_BELIEF: f64 = 4.0;
 /// The vehicle has left the middle of a place this far on.
 const LEFT_MIDDLE_M: f64 = 1.5;
 
-/// A visit to a junction has ended once the vehicle has moved this far in a passage: the place may be in doubt in between.
+/// A visit to a junction has ended once the vehicle has moved this far in a passage: the place may be in doubt in
+/// between.
 pub(super) const LEFT_M: f64 = 1.0;
 
-/// A visit to a dead end has ended once the vehicle has moved this far in a passage: then the side by which it leaves is certain.
+/// A visit to a dead end has ended once the vehicle has moved this far in a passage: then the side by which it leaves
+/// is certain.
 const LEFT_DEAD_END_M: f64 = 5.0;
 
 /// Beyond this, a place lies on the other side of the anchor than a way.
@@ -215,8 +217,8 @@ impl OpenVisit {
     }
 
     /// The stay as a whole, if it is believed. Of the numbers of ways that were seen the one with the most confidence
-    /// holds. The ways are those of the revolution nearest to the middle of the place that saw this number. `left_to`: where
-    /// the vehicle is now, if it has left.
+    /// holds. The ways are those of the revolution nearest to the middle of the place that saw this number. `left_to`:
+    /// where the vehicle is now, if it has left.
     pub(crate) fn end(mut self, left_to: Option<Isometry2<f64>>) -> Option<Visit> {
         if !self.is_believed() {
             return None;
@@ -271,7 +273,8 @@ impl Visit {
         self.ways.iter().map(mouth_m).collect()
     }
 
-    /// The direction of the way that leads to a place, in the frame of the anchor; that of the place itself, if no way was seen there.
+    /// The direction of the way that leads to a place, in the frame of the anchor; that of the place itself, if no way
+    /// was seen there.
     pub(crate) fn direction_rad(&self, place_m: Point2<f64>) -> f64 {
         let place_rad = place_m.y.atan2(place_m.x);
         let off_rad = |way: &Way| wrap_angle_rad(way.bearing_rad - place_rad).abs();
