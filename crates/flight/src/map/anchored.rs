@@ -23,19 +23,18 @@ impl Anchored {
 impl Mapper {
     /// Where the visits were, by what is known now, in the map's frame.
     pub fn poses(&self) -> &[Isometry2<f64>] {
-        &self.draft.graph.poses
+        &self.log.graph.poses
     }
 
     /// A pose as it is tracked since the latest visit that has ended, relative to this visit.
     pub fn anchored(&self, tracked: Isometry2<f64>) -> Anchored {
-        match &self.draft.last {
-            Some(last) => Anchored { visit: Some(last.visit), pose: last.tracked.inv_mul(&tracked) },
-            None => Anchored { visit: None, pose: tracked },
-        }
+        let visit = self.log.last();
+        let pose = visit.map_or(tracked, |last| self.log.visits[last].anchor.inv_mul(&tracked));
+        Anchored { visit, pose }
     }
 
     /// Where an anchored place lies by what is known now.
     pub fn placed(&self, anchored: &Anchored) -> Isometry2<f64> {
-        anchored.placed(&self.draft.graph.poses)
+        anchored.placed(self.poses())
     }
 }

@@ -2,16 +2,16 @@
 
 mod anchored;
 mod candidate;
-mod draft;
+mod derived;
 mod drawing;
 mod legs;
+mod log;
 mod mapper;
 mod no_place;
-mod nodes;
 mod outline;
-mod passages;
 mod passed;
 mod recognise;
+mod reconsider;
 mod stay;
 mod stretch;
 mod travelled;

@@ -1,35 +1,30 @@
 //! Whether a visit is to a place seen before.
 
 use std::f64::consts::PI;
-use std::sync::Arc;
 
 use nalgebra::Isometry2;
 
 use crosscut_stage::wrap_angle_rad;
 
 use super::Decided;
-use super::candidate::{ANCHORS_M, Candidate, WAYS_APART_RAD, turns_rad};
-use super::draft::{Draft, Stray};
-use super::legs::{Leg, flown_to};
-use super::outline::{APART_M, Fit, Walls};
-use super::visit::Visit;
+use super::candidate::{ANCHORS_M, Best, Candidate, LEAST_SHARE, WAYS_APART_RAD, best, turns_rad};
+use super::derived::Derived;
+use super::legs::flown_to;
+use super::log::{Known, Link, Log, flown_sd_m};
+use super::outline::{APART_M, Fit};
+use super::stretch::Guesses;
 use crate::HereKind;
 
-/// Two anchors of one place are at most this many looks apart, or [`ANCHORS_M`] if that is more, and [`DEVIATIONS`] more.
+/// Two anchors of one place are at most this many looks apart, or [`ANCHORS_M`] if that is more, and [`DEVIATIONS`]
+/// more.
 const ANCHORS_LOOKS: f64 = 0.75;
 
-/// Poses are off by at most this many standard deviations. Those of all legs since a place add up: a heading error moves
-/// everything after it.
+/// Poses are off by at most this many standard deviations. Those of all legs since a place add up: a heading error
+/// moves everything after it.
 const DEVIATIONS: f64 = 3.0;
 
 /// Headings are known to within this, and within [`DEVIATIONS`] of the pose more.
 const HEADING_RAD: f64 = 0.15;
-
-/// Outlines of one place lie on each other by at least this share of their line points.
-pub(super) const LEAST_SHARE: f64 = 0.72;
-
-/// The outline of a visit lies on that of its place by this much more of its line points than on any other place.
-pub(super) const LEAST_LEAD: f64 = 0.08;
 
 /// This share is enough for the place at the end of a known passage whose length the vehicle has flown.
 const EXPECTED_SHARE: f64 = 0.55;
@@ -37,48 +32,43 @@ const EXPECTED_SHARE: f64 = 0.55;
 /// The share of the place at the end of a known passage is at most this much less than that of any other place.
 const EXPECTED_BEHIND: f64 = 0.08;
 
-/// The way flown along a known passage differs from its length by less than this, and [`LENGTH_OFF_SHARE`] of the length more.
+/// The way flown along a known passage differs from its length by less than this, and [`LENGTH_OFF_SHARE`] of the
+/// length more.
 const LENGTH_OFF_M: f64 = 2.0;
 
-/// The way flown along a known passage differs from its length by less than this share of it, and [`LENGTH_OFF_M`] more.
+/// The way flown along a known passage differs from its length by less than this share of it, and [`LENGTH_OFF_M`]
+/// more.
 const LENGTH_OFF_SHARE: f64 = 0.15;
 
 /// Below this share an outline is no reason to think of a place.
 const WORTH_NOTING: f64 = 0.55;
 
-impl Draft {
-    /// The node that a visit is to, other than `but`, and the share of the runner-up; `None` if it is to none, or if two are alike.
-    pub(super) fn recognise(
-        &mut self,
-        visit: &Visit,
-        walls: &Arc<Walls>,
-        predicted: &Isometry2<f64>,
-        but: Option<usize>,
-    ) -> Option<(Candidate, Option<f64>)> {
+impl Guesses {
+    /// Links the latest visit, which is not yet on `map`, to the node that it is to, other than `but`. The result is that node;
+    /// `None` if the visit is to none that is known, or if two are alike.
+    pub(super) fn recognise(&mut self, log: &mut Log, map: &Derived, but: Option<usize>) -> Option<usize> {
+        let number = log.visits.len() - 1;
+        let (visit, predicted) = (&log.visits[number], log.graph.poses[number]);
         let mut candidates: Vec<Candidate> = Vec::new();
-        let bearings_rad: Vec<f64> = visit.ways.iter().map(|way| way.bearing_rad).collect();
-        let flown = self
-            .graph
-            .poses
-            .len()
-            .checked_sub(1)
-            .map_or_else(Vec::new, |last| flown_to(&self.graph, &self.flown, last));
+        let bearings_rad = visit.bearings_rad();
+        let flown = flown_to(log, number);
         let mut is_known_from_all = true;
-        for (node, place) in self.places.iter().enumerate() {
-            let Leg { sd_m, heading_rad2, .. } = flown[place.first_visit];
+        for (node, place) in map.places.iter().enumerate() {
+            let Known { sd_m, heading_rad2, .. } = flown[place.first];
             let Some(sd_m) = sd_m else {
                 is_known_from_all = false;
                 continue;
             };
-            if self.map.nodes[node].kind != visit.kind || Some(node) == but {
+            if map.map.nodes[node].kind != visit.kind || Some(node) == but {
                 continue;
             }
-            let apart = self.graph.poses[place.first_visit].inv_mul(predicted);
+            let apart = log.graph.poses[place.first].inv_mul(&predicted);
             let anchors_m = ANCHORS_M.max(ANCHORS_LOOKS * visit.look_m);
             if apart.translation.vector.norm() > anchors_m + DEVIATIONS * sd_m {
                 continue;
             }
-            // A fit reaches no farther than `APART_M`: all of `anchors_m` on the side where the pose takes the anchor to be.
+            // A fit reaches no farther than `APART_M`: all of `anchors_m` on the side where the pose takes the anchor
+            // to be.
             let about_m = apart.translation.vector.cap_magnitude((anchors_m - APART_M).max(0.0));
             let yaw_off_rad = (HEADING_RAD + DEVIATIONS * heading_rad2.sqrt()).min(PI);
             // A way may have been missed on one of the visits: then the walls alone tell. A dead end has but one.
@@ -91,65 +81,63 @@ impl Draft {
                 continue;
             }
             for yaw_rad in turns().filter(is_likely).chain([predicted_rad]) {
-                let fit = place.walls.fit(walls, &Isometry2::new(about_m, yaw_rad));
+                let fit = log.visits[place.first].walls.fit(&visit.walls, &Isometry2::new(about_m, yaw_rad));
                 let fit = fit.filter(|fit| is_likely(&fit.pose.rotation.angle()));
                 candidates.extend(fit.map(|fit| Candidate { node, fit }));
             }
         }
-        let decided = self.decide(visit, candidates);
-        if decided.is_some() || is_known_from_all {
-            return decided;
+        let mut found = decide(log, map, candidates);
+        if found.is_none() && !is_known_from_all {
+            found = self.place_stretch(log, map, &flown, but).map(|candidate| (candidate, None));
         }
-        let stray = Stray { kind: visit.kind, anchor: visit.anchor, bearings_rad, walls: Arc::clone(walls) };
-        self.place_stretch(stray, &self.elsewhere(&flown, but)).map(|candidate| (candidate, None))
+        let (Candidate { node, fit }, runner_up) = found?;
+        let (visits, score) = ([map.places[node].first, number], fit.share);
+        log.fit(visits, &fit);
+        let off_m = (predicted.translation.vector - log.graph.poses[number].translation.vector).norm();
+        let second = runner_up.map_or_else(String::new, |share| format!(", on the next likely place by {share:.2}"));
+        let why = format!("its walls lie on those of node {node} by {score:.2}{second}; the drift was {off_m:.1} m");
+        let decided = Decided { node, at_ns: log.visits[number].time_ns[1], score, runner_up, why };
+        log.links.push(Link { visits, decided });
+        Some(node)
     }
+}
 
-    fn decide(&mut self, visit: &Visit, mut candidates: Vec<Candidate>) -> Option<(Candidate, Option<f64>)> {
-        candidates.sort_by(|a, b| b.fit.share.total_cmp(&a.fit.share));
-        let most = candidates.first()?.fit.share;
-        let expected = self.expected(visit);
-        let is_expected = |candidate: &Candidate| {
-            let Fit { share, .. } = candidate.fit;
-            Some(candidate.node) == expected && share >= EXPECTED_SHARE && most - share <= EXPECTED_BEHIND
-        };
-        let at = candidates.iter().position(is_expected);
-        let best = candidates.remove(at.unwrap_or(0));
-        let runner_up = candidates.iter().find(|other| other.is_elsewhere(&best)).map(|other| other.fit.share);
-        let has_clear_lead = runner_up.is_none_or(|share| best.fit.share - share >= LEAST_LEAD);
-        if at.is_none() && (best.fit.share < LEAST_SHARE || !has_clear_lead) {
-            self.refuse(visit, &best, runner_up);
-            return None;
-        }
-        Some((best, runner_up))
+/// The place that the latest visit is to, of these. Refuses one that the visit merely looks like.
+fn decide(log: &mut Log, map: &Derived, candidates: Vec<Candidate>) -> Option<Best> {
+    let expected = expected(log, map);
+    let is_expected = |Candidate { node, fit }: &Candidate, most: f64| {
+        Some(*node) == expected && fit.share >= EXPECTED_SHARE && most - fit.share <= EXPECTED_BEHIND
+    };
+    let (found, is_clear) = best(candidates, is_expected)?;
+    let (Candidate { node, fit: Fit { share: score, .. } }, runner_up) = found;
+    if is_clear {
+        return Some(found);
     }
-
-    /// The node that a known passage leads to, if the vehicle came by one and has flown its length.
-    fn expected(&self, visit: &Visit) -> Option<usize> {
-        let last = self.last.as_ref()?;
-        self.flown_sd_m(last, visit)?;
-        let passage = &self.map.passages[self.map.nodes[last.node].ways[last.way].passage?];
-        let off_m = (visit.reached_at_m - last.at_m - passage.length_m).abs();
-        let is_at_its_end = off_m < LENGTH_OFF_M + LENGTH_OFF_SHARE * passage.length_m;
-        is_at_its_end.then_some(if passage.from == last.node { passage.to } else { passage.from })
-    }
-
-    fn refuse(&mut self, visit: &Visit, best: &Candidate, runner_up: Option<f64>) {
-        let (node, score) = (best.node, best.fit.share);
-        if score < WORTH_NOTING {
-            return;
-        }
+    if score >= WORTH_NOTING {
         let but = match runner_up {
             Some(second) if score >= LEAST_SHARE => format!("and on the next likely place by {second:.2}"),
             _ => format!("too little of {LEAST_SHARE}"),
         };
         let why = format!("a new node: its walls lie on those of node {node} by {score:.2}, {but}");
-        self.map.refusals.push(Decided { node, at_ns: visit.time_ns[1], score, runner_up, why });
+        let visit = log.visits.len() - 1;
+        let decided = Decided { node, at_ns: log.visits[visit].time_ns[1], score, runner_up, why };
+        log.refusals.push(Link { visits: [map.places[node].first, visit], decided });
     }
+    None
+}
+
+/// The node that a known passage leads to, if the vehicle came to the latest visit by one and has flown its length.
+fn expected(log: &Log, map: &Derived) -> Option<usize> {
+    let (from, passage) = map.left_through()?;
+    let [.., last, visit] = &log.visits[..] else { return None };
+    flown_sd_m(last, visit)?;
+    let off_m = (visit.reached_at_m - last.left_at_m - passage.length_m).abs();
+    let is_at_its_end = off_m < LENGTH_OFF_M + LENGTH_OFF_SHARE * passage.length_m;
+    is_at_its_end.then_some(if passage.from == from { passage.to } else { passage.from })
 }
 
 #[cfg(test)]
 mod tests {
-    use std::collections::BTreeMap;
     use std::sync::Arc;
 
     use nalgebra::{Point2, Unit, Vector2};
@@ -157,8 +145,8 @@ mod tests {
     use super::*;
     use crate::Way;
     use crate::line_points::LinePoint;
-    use crate::map::draft::NodeMemory;
-    use crate::map::{Node, NodeWay};
+    use crate::map::outline::Walls;
+    use crate::map::visit::Visit;
 
     /// Line points of a dead end that is 5 m wide, open towards -x or +x (`side`: -1 or 1), every 0.1 m.
     fn dead_end(side: f64) -> Vec<LinePoint> {
@@ -180,36 +168,30 @@ mod tests {
     #[test]
     fn a_dead_end_that_opens_the_other_way_is_another_one() {
         for (side, is_same) in [(-1.0, true), (1.0, false)] {
-            let mut draft = Draft::default();
-            draft.graph.poses = vec![Isometry2::identity()];
-            let way = NodeWay { bearing_rad: way_rad(-1.0), width_m: 5.0, taken: true, passage: None };
-            draft.map.nodes = vec![Node {
-                kind: HereKind::DeadEnd,
-                position_m: Point2::origin(),
-                ways: vec![way],
-                visits: vec![[0, 1]],
-            }];
-            let (walls, ways_rad) = (Arc::new(Walls::new(&dead_end(-1.0))), vec![way_rad(-1.0)]);
-            draft.places = vec![NodeMemory { walls, ways_rad, first_visit: 0, belief: BTreeMap::new() }];
-            let outline = dead_end(side);
-            let walls = Arc::new(Walls::new(&outline));
-            let visit = Visit {
+            let visit = |side: f64, at_m: f64| Visit {
                 kind: HereKind::DeadEnd,
                 has_middle: true,
-                time_ns: [2, 3],
+                time_ns: [at_m as u64, at_m as u64 + 1],
                 anchor: Isometry2::identity(),
                 ways: vec![Way { bearing_rad: way_rad(side), width_m: 5.0, opening: None }],
                 look_m: 7.5,
-                outline,
-                reached_at_m: 300.0,
-                left_at_m: 300.0,
+                walls: Arc::new(Walls::new(&dead_end(side))),
+                reached_at_m: at_m,
+                left_at_m: at_m,
                 belief: 8.0,
                 came_from: Point2::origin(),
                 left_to: Point2::origin(),
+                has_come: false,
+                doubts: Default::default(),
             };
-            let alike = draft.places[0].walls.fit(&walls, &Isometry2::identity()).expect("both have walls").share;
+            let mut log = Log::default();
+            log.visit(visit(-1.0, 0.0), true);
+            let map = Derived::of(&log);
+            log.visit(visit(side, 300.0), true);
+            let [walls, again] = [0, 1].map(|visit| &log.visits[visit].walls);
+            let alike = walls.fit(again, &Isometry2::identity()).expect("both have walls").share;
             assert!(alike > LEAST_SHARE, "the walls beside them are alike: {alike}");
-            let found = draft.recognise(&visit, &walls, &Isometry2::identity(), None);
+            let found = Guesses::default().recognise(&mut log, &map, None);
             assert_eq!(found.is_some(), is_same, "open towards {side} x");
         }
     }

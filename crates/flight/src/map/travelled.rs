@@ -4,6 +4,8 @@ use std::collections::VecDeque;
 
 use nalgebra::{Isometry2, Point2};
 
+use super::visit::Visit;
+
 /// Places along a passage are this far apart.
 const VIA_M: f64 = 2.0;
 
@@ -19,9 +21,9 @@ pub(super) struct Travelled {
     from: Option<Isometry2<f64>>,
     pub(super) way_m: f64,
     /// Widths since the last node, and their number.
-    pub(super) widths_m: [f64; 2],
+    widths_m: [f64; 2],
     /// Places since the last node, as they were tracked, [`VIA_M`] apart, with the way up to there.
-    pub(super) via: Vec<(f64, Point2<f64>)>,
+    via: Vec<(f64, Point2<f64>)>,
     /// The last places, [`STEP_M`] and more apart.
     trail_m: VecDeque<Point2<f64>>,
 }
@@ -51,10 +53,31 @@ impl Travelled {
         *self = Self { way_m: self.way_m, ..Self::default() };
     }
 
+    pub(super) fn add_width(&mut self, width_m: f64) {
+        self.widths_m = [self.widths_m[0] + width_m, self.widths_m[1] + 1.0];
+    }
+
     /// Mean width since the last node.
     pub(super) fn width_m(&self) -> Option<f64> {
         let [sum_m, count] = self.widths_m;
         (count > 0.0).then(|| sum_m / count)
+    }
+
+    /// How far from a visit's anchor the way since the last visit begins.
+    pub(super) fn began_m(&self, visit: &Visit) -> f64 {
+        self.via.first().map_or(0.0, |(_, place_m)| (visit.anchor.inverse() * place_m).coords.norm())
+    }
+
+    /// Places between two visits in a row, as they were tracked.
+    pub(super) fn between<'a>(&'a self, from: &'a Visit, to: &'a Visit) -> impl Iterator<Item = &'a Point2<f64>> {
+        let between = self.via.iter().filter(move |(way_m, _)| (from.left_at_m..to.reached_at_m).contains(way_m));
+        between.map(|(_, place_m)| place_m)
+    }
+
+    /// A visit has ended: what was passed up to there is no more of the way since.
+    pub(super) fn begin_at(&mut self, visit: &Visit) {
+        self.widths_m = [0.0; 2];
+        self.via.retain(|(way_m, _)| *way_m >= visit.left_at_m);
     }
 
     /// A place a few metres back.

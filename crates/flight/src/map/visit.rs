@@ -1,10 +1,12 @@
 //! One stay at a junction or a dead end.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
-use crosscut_stage::{unit, wrap_angle_rad};
+use crosscut_stage::{PoseDoubt, unit, wrap_angle_rad};
 use nalgebra::{Isometry2, Point2};
 
+use super::outline::Walls;
 use crate::belief::{elapsed_s, independent, sure};
 use crate::line_points::LinePoint;
 use crate::{Here, HereKind, Way};
@@ -23,6 +25,14 @@ const LEAST_BELIEF: f64 = 4.0;
 
 /// The vehicle has left the middle of a place this far on.
 const LEFT_MIDDLE_M: f64 = 1.5;
+
+/// A visit to a junction has ended once the vehicle has moved this far in a passage: the place may be in doubt in
+/// between.
+pub(super) const LEFT_M: f64 = 1.0;
+
+/// A visit to a dead end has ended once the vehicle has moved this far in a passage: then the side by which it leaves
+/// is certain.
+const LEFT_DEAD_END_M: f64 = 5.0;
 
 /// Beyond this, a place lies on the other side of the anchor than a way.
 const BEHIND_M: f64 = 1.0;
@@ -45,12 +55,28 @@ struct Sample {
     is_middle: bool,
 }
 
+/// When and where the vehicle was.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Moment {
+    pub(super) stamp_ns: u64,
+    pub(super) pose: Isometry2<f64>,
+    pub(super) doubt: PoseDoubt,
+    /// The way of the flight up to there.
+    pub(super) way_m: f64,
+}
+
+impl Moment {
+    pub(super) fn place_m(&self) -> Point2<f64> {
+        Point2::from(self.pose.translation.vector)
+    }
+}
+
 /// A stay that has not ended. Poses are as they are tracked, with their drift.
 #[derive(Clone, Debug)]
 pub(crate) struct OpenVisit {
-    began_ns: u64,
+    began: Moment,
     /// When a revolution was added last.
-    added_ns: Option<u64>,
+    latest: Option<Moment>,
     kind: HereKind,
     samples: Vec<Sample>,
     outline: Vec<LinePoint>,
@@ -77,7 +103,7 @@ pub(crate) struct Visit {
     /// Radius of the look at the anchor, metres.
     pub(crate) look_m: f64,
     /// In the frame of the anchor.
-    pub(crate) outline: Vec<LinePoint>,
+    pub(crate) walls: Arc<Walls>,
     /// The way of the flight where the vehicle reached the anchor, and where it left it.
     pub(crate) reached_at_m: f64,
     pub(crate) left_at_m: f64,
@@ -86,30 +112,53 @@ pub(crate) struct Visit {
     /// Where the vehicle was shortly before and after, in the frame of the anchor.
     pub(crate) came_from: Point2<f64>,
     pub(crate) left_to: Point2<f64>,
+    /// Of a visit to which no leg leads: the vehicle came from elsewhere. A flight may begin within its first node.
+    pub(crate) has_come: bool,
+    /// Doubt of the pose when the visit began, and when it ended.
+    pub(crate) doubts: [PoseDoubt; 2],
 }
 
 impl OpenVisit {
     /// That begins; `came_from`: a place shortly before, as it was tracked.
     pub(crate) fn new(
         kind: HereKind,
-        began_ns: u64,
+        began: Moment,
         came_from: Option<Point2<f64>>,
         follows: Option<Point2<f64>>,
     ) -> Self {
         let (samples, outline) = (Vec::new(), Vec::new());
-        let (added_ns, outlined_from, middle_at_m) = (None, None, None);
-        Self { began_ns, added_ns, kind, samples, outline, outlined_from, came_from, middle_at_m, follows }
+        let (latest, outlined_from, middle_at_m) = (None, None, None);
+        Self { began, latest, kind, samples, outline, outlined_from, came_from, middle_at_m, follows }
     }
 
-    /// Whether the vehicle was in the middle of the place and has left it, at this way: what it sees now may be the next place.
-    pub(crate) fn has_left_the_middle(&self, way_m: f64) -> bool {
-        self.middle_at_m.is_some_and(|middle_at_m| way_m - middle_at_m > LEFT_MIDDLE_M)
+    /// Whether the doubt of a pose since this place was seen last is known.
+    pub(super) fn is_known_at(&self, now: &Moment) -> bool {
+        let since = now.doubt.since(&self.latest.unwrap_or(self.began).doubt);
+        since.is_some_and(|since| since.sd_m(now.place_m()).is_some())
+    }
+
+    /// Whether the stay is over, where the vehicle now is in a node of this kind, or in none.
+    pub(super) fn has_ended(&self, now: &Moment, node: Option<HereKind>) -> bool {
+        let passed_m = now.way_m - self.latest.unwrap_or(self.began).way_m;
+        match (node, self.kind) {
+            (Some(node), kind) if kind != node => true,
+            (Some(_), HereKind::Junction) => self.has_left_the_middle(now) || self.has_turned_back(now),
+            (Some(_), _) => false,
+            (None, _) if !self.is_known_at(now) => true,
+            (None, HereKind::DeadEnd) => passed_m > LEFT_DEAD_END_M,
+            (None, _) => passed_m > LEFT_M,
+        }
+    }
+
+    /// Whether the vehicle was in the middle of the place and has left it: what it sees now may be the next place.
+    fn has_left_the_middle(&self, now: &Moment) -> bool {
+        self.middle_at_m.is_some_and(|middle_at_m| now.way_m - middle_at_m > LEFT_MIDDLE_M)
     }
 
     /// Whether the vehicle saw this place from its edge alone and is back within the look of the stay before.
-    pub(crate) fn has_turned_back(&self, place_m: &Point2<f64>) -> bool {
+    fn has_turned_back(&self, now: &Moment) -> bool {
         let look_m = self.samples.last().map(|sample| sample.look_m).filter(|_| self.middle_at_m.is_none());
-        self.follows.zip(look_m).is_some_and(|(before_m, look_m)| (place_m - before_m).norm() < look_m)
+        self.follows.zip(look_m).is_some_and(|(before_m, look_m)| (now.place_m() - before_m).norm() < look_m)
     }
 
     pub(crate) fn kind(&self) -> HereKind {
@@ -117,17 +166,12 @@ impl OpenVisit {
     }
 
     /// Adds a revolution at which this place holds: what it saw itself, and its line points.
-    pub(crate) fn add(
-        &mut self,
-        stamp_ns: u64,
-        pose: Isometry2<f64>,
-        way_m: f64,
-        seen: &Here,
-        line_points: impl FnOnce() -> Vec<LinePoint>,
-    ) {
+    pub(super) fn add(&mut self, now: Moment, seen: &Here, line_points: impl FnOnce() -> Vec<LinePoint>) {
+        let Moment { stamp_ns, pose, way_m, .. } = now;
         let moved_m = |from: Isometry2<f64>| (from.translation.vector - pose.translation.vector).norm();
-        let views = self.added_ns.replace(stamp_ns).map_or(1.0, |before| independent(elapsed_s(before, stamp_ns)));
-        let at_m = Point2::from(pose.translation.vector);
+        let before = self.latest.replace(now);
+        let views = before.map_or(1.0, |before| independent(elapsed_s(before.stamp_ns, stamp_ns)));
+        let at_m = now.place_m();
         let is_here = seen.is_middle || self.follows.is_none_or(|before_m| (at_m - before_m).norm() > seen.look_m);
         if seen.node() == Some(self.kind) && is_here {
             let sure = views * sure(seen.confidence);
@@ -173,9 +217,9 @@ impl OpenVisit {
     }
 
     /// The stay as a whole, if it is believed. Of the numbers of ways that were seen the one with the most confidence
-    /// holds. The ways are those of the revolution nearest to the middle of the place that saw this number. `left_to`: where
-    /// the vehicle is now, if it has left.
-    pub(crate) fn end(mut self, ended_ns: u64, left_to: Option<Isometry2<f64>>) -> Option<Visit> {
+    /// holds. The ways are those of the revolution nearest to the middle of the place that saw this number. `left_to`:
+    /// where the vehicle is now, if it has left.
+    pub(crate) fn end(mut self, left_to: Option<Isometry2<f64>>) -> Option<Visit> {
         if !self.is_believed() {
             return None;
         }
@@ -196,31 +240,41 @@ impl OpenVisit {
         let to_anchor = best.pose.inverse();
         let place = |pose: &Isometry2<f64>| to_anchor * Point2::from(pose.translation.vector);
         let (first, last) = (self.samples.first()?, self.samples.last()?);
+        let (began, ended) = (self.began, self.latest.unwrap_or(self.began));
+        let outline: Vec<LinePoint> = self.outline.iter().map(|point| point.at(&to_anchor)).collect();
         Some(Visit {
             kind: self.kind,
             has_middle,
-            time_ns: [self.began_ns, ended_ns],
+            time_ns: [began.stamp_ns, ended.stamp_ns],
             anchor: best.pose,
             ways: best.ways.clone(),
             look_m: best.look_m,
-            outline: self.outline.iter().map(|point| point.at(&to_anchor)).collect(),
+            walls: Arc::new(Walls::new(&outline)),
             belief,
             reached_at_m: first.way_m + place(&first.pose).coords.norm(),
             left_at_m: last.way_m - place(&last.pose).coords.norm(),
             came_from: self.came_from.map_or(place(&first.pose), |place_m| to_anchor * place_m),
             left_to: place(left_to.as_ref().unwrap_or(&last.pose)),
+            has_come: false,
+            doubts: [began.doubt, ended.doubt],
         })
     }
 }
 
 impl Visit {
+    /// Of its ways, in the frame of the anchor.
+    pub(crate) fn bearings_rad(&self) -> Vec<f64> {
+        self.ways.iter().map(|way| way.bearing_rad).collect()
+    }
+
     /// Where its ways begin, as they were tracked.
     pub(crate) fn mouths_m(&self) -> Vec<Point2<f64>> {
         let mouth_m = |way: &Way| self.anchor * Point2::from(unit(way.bearing_rad) * self.look_m);
         self.ways.iter().map(mouth_m).collect()
     }
 
-    /// The direction of the way that leads to a place, in the frame of the anchor; that of the place itself, if no way was seen there.
+    /// The direction of the way that leads to a place, in the frame of the anchor; that of the place itself, if no way
+    /// was seen there.
     pub(crate) fn direction_rad(&self, place_m: Point2<f64>) -> f64 {
         let place_rad = place_m.y.atan2(place_m.x);
         let off_rad = |way: &Way| wrap_angle_rad(way.bearing_rad - place_rad).abs();
@@ -242,16 +296,19 @@ mod tests {
 
     #[test]
     fn a_vehicle_that_stands_in_a_junction_takes_no_memory() {
-        let mut open = OpenVisit::new(HereKind::Junction, 0, None, None);
+        let at = |i: u64| {
+            let pose = Isometry2::translation(0.01 * (i % 3) as f64, 0.0);
+            Moment { stamp_ns: i * 100_000_000, pose, doubt: PoseDoubt::default(), way_m: 0.0 }
+        };
+        let mut open = OpenVisit::new(HereKind::Junction, at(0), None, None);
         let way = Way { bearing_rad: 0.0, width_m: 3.0, opening: None };
         for i in 0..1000 {
             let ways = vec![way; 3 + i % 2];
             let here = Here { kind: HereKind::Junction, look_m: 5.0, ways, is_middle: true, confidence: 0.9 };
-            let trembling = Isometry2::translation(0.01 * (i % 3) as f64, 0.0);
-            open.add(i as u64 * 100_000_000, trembling, 0.0, &here, Vec::new);
+            open.add(at(i as u64), &here, Vec::new);
         }
         assert_eq!(open.samples.len(), 2);
-        let visit = open.end(100_000_000_000, None).expect("believed");
+        let visit = open.end(None).expect("believed");
         assert!((visit.belief - 400.0).abs() < 1e-6, "each revolution counts: {}", visit.belief);
     }
 }
