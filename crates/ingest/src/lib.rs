@@ -2,17 +2,17 @@
 //!
 //! In: recordings, whole or damaged (MCAP, bags of ROS 1 and rosbag2, CARMEN logs, tables of ranges, lists of returns,
 //! PCD, PLY), with scans or clouds of any type that [`ScanDecoder`](crosscut_messages::ScanDecoder) knows. Out: one
-//! [`Revolution`](crosscut_stage::Revolution) for each scan message, empty ones too: n returns in the body frame
+//! [`Revolution`] for each scan message, empty ones too: n returns in the body frame
 //! (metres; x forward, y left) in message beam order, and what every beam saw. Everything that was turned, left out,
 //! repaired or replaced is a note on its revolution; everything that could not be read is a [`Loss`].
 //!
-//! - [`Recording`] reads the scans of a flight, from one file or several, as a [`Source`](crosscut_stage::Source); also from files
+//! - [`Recording`] reads the scans of a flight, from one file or several, as a [`Source`]; also from files
 //!   that are still being written, standard input, and a live robot by its [`Feed`].
 //! - [`describe`] tells what is in a file; [`Truths`] reads the truth beside the scans, [`truth_map`] that of a flight's mine.
 //! - [`convert()`] writes any recording as an MCAP of ROS 2.
 //!
 //! # One scan
-//! What a scan's beams say is read by [`Sensor`](crosscut_sensor::Sensor), whose crate has the rules. Its times and frame:
+//! What a scan's beams say is read by [`Sensor`], whose crate has the rules. Its times and frame:
 //!
 //! | the scan says | what is done, with a note unless said |
 //! |---|---|

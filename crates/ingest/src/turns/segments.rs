@@ -135,15 +135,14 @@ impl Joiner {
             return Cow::Borrowed(&scan.ranges);
         }
         let [step_rad, own_rad] = [self.increment_rad, scan.angle_increment].map(|rad| f64::from(rad).abs());
-        let off_rad =
-            0.5 * step_rad - (self.from_start_rad(scan) + 0.5 * step_rad).rem_euclid(TAU).rem_euclid(step_rad);
+        let off_rad = 0.5 * step_rad - (self.off_start_rad(scan) + 0.5 * step_rad).rem_euclid(TAU).rem_euclid(step_rad);
         let last = scan.ranges.len() - 1;
         let beams = ((span_rad(scan) - 0.5 * step_rad - off_rad) / step_rad).ceil().max(1.0) as usize;
         let nearest = |beam: usize| ((off_rad + beam as f64 * step_rad) / own_rad).round().max(0.0) as usize;
         (0..beams).map(|beam| scan.ranges[nearest(beam).min(last)]).collect()
     }
 
-    fn from_start_rad(&self, scan: &LaserScan) -> f64 {
+    fn off_start_rad(&self, scan: &LaserScan) -> f64 {
         travel_rad(scan, self.increment_rad) - self.start_rad
     }
 
@@ -268,7 +267,7 @@ impl Joiner {
     /// The beam of a turn that the first range of `scan` is.
     fn first_beam(&self, scan: &LaserScan) -> usize {
         let step_rad = f64::from(self.increment_rad).abs();
-        ((self.from_start_rad(scan) + 0.5 * step_rad).rem_euclid(TAU) / step_rad) as usize
+        ((self.off_start_rad(scan) + 0.5 * step_rad).rem_euclid(TAU) / step_rad) as usize
     }
 }
 

@@ -211,7 +211,8 @@ fn tables_without_ranges_are_named() {
 /// A list of turns of a tunnel: an angle in degrees and a distance in millimetres, of which some are left out in each
 /// turn.
 fn list(turns: usize, row: impl Fn(usize, f64, f64) -> String) -> String {
-    let of_turn = |turn: usize| (0..360).filter(move |i| (i * 7 + turn * 3) % 11 > 0).map(move |i| (turn, i as f64));
+    let of_turn =
+        |turn: usize| (0..360).filter(move |i| !(i * 7 + turn * 3).is_multiple_of(11)).map(move |i| (turn, i as f64));
     let range = |deg: f64| (1.6 / deg.to_radians().sin().abs()).min(9.0);
     (0..turns).flat_map(of_turn).map(|(turn, deg)| row(turn, deg, range(deg)) + "\n").collect()
 }
@@ -245,7 +246,7 @@ fn lists_of_angles_and_distances_are_turns() {
             );
         }
     }
-    let swing = |turn: usize, i: i32| if turn % 2 == 0 { i } else { -i };
+    let swing = |turn: usize, i: i32| if turn.is_multiple_of(2) { i } else { -i };
     let row = |(turn, i): (usize, i32)| format!("{},{}\n", swing(turn, i), 2 + (i - 20).abs() / 9);
     let swings = (0..6).flat_map(|turn| (-60..=60).map(move |i| (turn, i))).map(row).collect::<String>();
     assert_eq!(scans(&format!("angle,distance_m\n{swings}")).len(), 6, "a sensor that swings");

@@ -209,7 +209,7 @@ impl Layout {
         let ends_in_none = rows.len() > 1 && rows.iter().all(has_no_number);
         let (last, is_words) = (cells.len() - 1, |column: usize| words.get(column) == Some(&true));
         let is_left = |column: usize| (column < LEAST_TAIL || column == last) && is_words(column);
-        let is_kept = |column: &usize| !is_left(*column) && !(*column == last && ends_in_none);
+        let is_kept = |column: &usize| !(is_left(*column) || *column == last && ends_in_none);
         let kept: Vec<usize> = (0..cells.len()).filter(is_kept).collect();
         let of_kept =
             |row: &Vec<f64>| kept.iter().map(|column| row.get(*column).copied().unwrap_or(f64::NAN)).collect();
