@@ -17,11 +17,12 @@
 
 use nalgebra::{Isometry2, Matrix2, Matrix3, Point2, Unit, Vector2, Vector3};
 
-use crosscut_stage::{Revolution, wrap_angle_rad};
+use crosscut_stage::Revolution;
 
 use crate::evidence::{MatchEvidence, Matching, stepped};
 use crate::line_points::{LinePoint, least_axis, line_points};
 use crate::local_map::LocalMap;
+use crate::motion::{Earned, MOST_OF_ODOMETRY, Motion, difference, loosest, matching_covariance, steadily, turned};
 
 /// A typical distance of a return from the line that it belongs to: noise of the range and roughness of walls.
 const DEVIATION_M: f64 = 0.05;
@@ -70,7 +71,7 @@ const USUAL_AFTER: u32 = 5;
 const MOST_POINTS: usize = 200;
 
 /// A start at which fewer of them than this share match is not followed, nor one that does not lead to [`LEAST_MATCHED`] within
-/// so many steps: where the walls are those seen before, the first steps bring most of them together.
+/// [`FIRST_STEPS`]: where the walls are those seen before, the first steps bring most of them together.
 const LEAST_AT_START: f64 = 0.15;
 const FIRST_STEPS: usize = 2;
 
@@ -87,44 +88,17 @@ const OTHER_LEAD: f64 = 4.0;
 /// A match that lies this many standard deviations off the motion that odometry shows contradicts it: then both are weighed.
 const CONTRADICTS: f64 = 3.0;
 
-/// Returns that follow each other err alike: so many of them count as one where they are weighed against odometry.
+/// Returns that follow each other err alike: this many of them count as one where walls are weighed against odometry.
 const ALIKE: f64 = 4.0;
 
 /// A match that contradicts odometry has a share of line points no lower than the usual one less this.
 const LESS_THAN_USUAL: f64 = 0.2;
-
-/// The scale of the odometry's variance follows this share of each innovation, within these bounds.
-const EARNED: f64 = 0.05;
-const LEAST_EARNED: f64 = 0.25;
-const MOST_EARNED: f64 = 100.0;
-
-/// Wheels slip, so that what odometry shows weighs no more than this against the walls, as a square of standard deviations.
-const MOST_OF_ODOMETRY: f64 = 25.0;
 
 /// Revolutions that odometry takes to be farther apart than this are no neighbours: walls that match elsewhere are others.
 pub(crate) const NEIGHBOURS_M: f64 = 1.0;
 
 /// A steady motion that ends this near to where odometry does is not tried, metres and radians.
 const NEAR: f64 = 0.03;
-
-/// Standard deviations of a motion that is predicted from the one before: a share of it, and at least this much.
-const STEADY_SHARE: f64 = 0.3;
-const STEADY_M: f64 = 0.05;
-const STEADY_RAD: f64 = 0.05;
-
-/// Two poses that are matched to the same walls are off by this from each other although nothing slipped (standard
-/// deviations): walls are rough, and the scan bends while the vehicle turns.
-const MATCHING_M: f64 = 0.02;
-const MATCHING_RAD: f64 = 0.01;
-
-/// A motion from one revolution to the next, and how well it is known.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion {
-    /// The later pose in the frame of the earlier one.
-    pub step: Isometry2<f64>,
-    /// Of x, y (m²) and yaw (rad²) in the frame of the earlier pose.
-    pub covariance: Matrix3<f64>,
-}
 
 /// Where a revolution was taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -170,8 +144,8 @@ pub struct ScanMatcher {
     /// Of [`HELD_M`] that which counts for this revolution.
     held_m: f64,
     earned: Earned,
-    /// The walls contradicted the odometry, and more spoke for the odometry.
-    contradicts: bool,
+    /// The walls contradicted the odometry, and more spoke for the odometry: what the scan saw is not remembered.
+    is_overruled: bool,
     usual: UsualShare,
 }
 
@@ -223,7 +197,7 @@ impl ScanMatcher {
         let carried = if predicted.is_some() { self.carried } else { Matrix3::zeros() };
         let predicted = predicted.map(|motion| Motion { covariance: self.earned.scaled(&motion.covariance), ..motion });
         let prediction = self.prediction(&predicted.unwrap_or(steady), &carried, 0.0);
-        self.contradicts = false;
+        self.is_overruled = false;
         self.held_m = HELD_M[usize::from(predicted.is_none())];
         // A revolution without walls, such as one of a covered lidar, is not lost: the next may match again.
         let matched = if self.map.is_empty() || self.line_points.is_empty() {
@@ -239,7 +213,7 @@ impl ScanMatcher {
         if matched.lost {
             self.map.clear();
         }
-        if !self.contradicts {
+        if !self.is_overruled {
             self.remember(revolution);
         }
         matched
@@ -302,7 +276,7 @@ impl ScanMatcher {
         if is_usual && by_walls.weighed(prediction) < by_odometry {
             return by_walls.matched;
         }
-        self.contradicts = !by_walls.matched.lost;
+        self.is_overruled = !by_walls.matched.lost;
         let matched = walls.evidence.matched as f64 / self.matching.len() as f64;
         let covariance = (walls.evidence.information / ALIKE + tight).try_inverse().unwrap_or(prediction.covariance);
         Matched { pose, covariance, matched, lost: false, ..prediction.lost() }
@@ -409,33 +383,6 @@ impl ScanMatcher {
     }
 }
 
-/// How many times the variance of its motions that odometry is stated to have it has shown, by position and by heading.
-#[derive(Clone, Copy, Debug)]
-struct Earned([f64; 2]);
-
-impl Default for Earned {
-    fn default() -> Self {
-        Self([1.0; 2])
-    }
-}
-
-impl Earned {
-    fn scaled(&self, covariance: &Matrix3<f64>) -> Matrix3<f64> {
-        let [position, heading] = self.0.map(f64::sqrt);
-        let scale = Matrix3::from_diagonal(&Vector3::new(position, position, heading));
-        scale * covariance * scale
-    }
-
-    /// Takes how far a match lies off a motion with a covariance that was scaled.
-    fn add(&mut self, off: &Vector3<f64>, covariance: &Matrix3<f64>) {
-        let expected = covariance + matching_covariance();
-        let square = |at: usize| off[at] * off[at] / expected[(at, at)];
-        for (scale, times) in self.0.iter_mut().zip([0.5 * (square(0) + square(1)), square(2)]) {
-            *scale = (*scale * (1.0 + EARNED * (times.min(MOST_OF_ODOMETRY) - 1.0))).clamp(LEAST_EARNED, MOST_EARNED);
-        }
-    }
-}
-
 impl UsualShare {
     /// Whether a match is not one of neighbours.
     fn is_unusual(&self, matched: f64, surprise: f64) -> bool {
@@ -501,35 +448,4 @@ fn take_noise_off(evidence: &mut MatchEvidence, held_m: f64) -> Held {
     evidence.gradient += along_3 * ((share - 1.0) * along_3.dot(&evidence.gradient));
     let left = share * least / (DEVIATION_M * DEVIATION_M);
     if left > 1.0 / (held_m * held_m) { Held::Everywhere } else { Held::ButAlong(along) }
-}
-
-/// Covariance of a motion that is predicted from the one before.
-fn steadily(step: &Isometry2<f64>) -> Matrix3<f64> {
-    let deviation_m = STEADY_M + STEADY_SHARE * step.translation.vector.norm();
-    let deviation_rad = STEADY_RAD + STEADY_SHARE * step.rotation.angle().abs();
-    let deviations = Vector3::new(deviation_m, deviation_m, deviation_rad);
-    Matrix3::from_diagonal(&deviations.component_mul(&deviations))
-}
-
-/// Of two covariances without correlations, the greater variance of each value.
-fn loosest(a: &Matrix3<f64>, b: &Matrix3<f64>) -> Matrix3<f64> {
-    Matrix3::from_diagonal(&a.diagonal().sup(&b.diagonal()))
-}
-
-/// Covariance of the motion between two poses that are matched to the same walls.
-fn matching_covariance() -> Matrix3<f64> {
-    let deviations = Vector3::new(MATCHING_M, MATCHING_M, MATCHING_RAD);
-    Matrix3::from_diagonal(&deviations.component_mul(&deviations))
-}
-
-/// x, y and yaw of a pose less those of another, in the axes of the map.
-fn difference(pose: &Isometry2<f64>, other: &Isometry2<f64>) -> Vector3<f64> {
-    let off_m = pose.translation.vector - other.translation.vector;
-    Vector3::new(off_m.x, off_m.y, wrap_angle_rad(pose.rotation.angle() - other.rotation.angle()))
-}
-
-/// A covariance of x, y and yaw in axes that lie `yaw_rad` clockwise of its own.
-fn turned(covariance: &Matrix3<f64>, yaw_rad: f64) -> Matrix3<f64> {
-    let turn = nalgebra::Rotation2::new(yaw_rad).to_homogeneous();
-    turn * covariance * turn.transpose()
 }
