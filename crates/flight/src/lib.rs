@@ -17,6 +17,7 @@
 mod agreement;
 mod answer;
 mod belief;
+mod chassis;
 mod evidence;
 mod flight;
 mod g2o;
@@ -30,8 +31,10 @@ mod motion;
 mod pose;
 mod pose_graph;
 mod scan_match;
+mod search;
 mod steady;
 mod surroundings;
+mod unaided;
 
 pub use answer::{FlightAnswer, Here, HereKind, Steady, SteadyOpening, Way};
 pub use flight::{Flight, PARAMS};

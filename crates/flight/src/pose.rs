@@ -61,6 +61,8 @@ pub struct PoseTracker {
     /// The last motion.
     step: Isometry2<f64>,
     doubt: PoseDoubt,
+    /// What was guessed of the way since the walls last held the pose, metres.
+    guessed_m: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -105,6 +107,7 @@ impl PoseTracker {
             pose: Isometry2::identity(),
             step: Isometry2::identity(),
             doubt: PoseDoubt::default(),
+            guessed_m: 0.0,
         }
     }
 
@@ -162,7 +165,11 @@ impl PoseTracker {
                 notes.add(N093, "pose: no odometry at this time; by the scan alone");
             }
             let matched = self.matcher.add(revolution, motion.filter(|_| self.has_moved));
-            let doubt = self.by_scan(&matched, motion.is_some());
+            let mut doubt = self.by_scan(&matched, motion.is_some());
+            if let Some(known_m) = matched.guess_known_m {
+                doubt.guessed_m = known_m - self.guessed_m;
+            }
+            self.guessed_m = if matched.held == Held::Everywhere { 0.0 } else { self.guessed_m + doubt.guessed_m };
             begins |= matched.lost;
             notes.extend(odd(&matched, motion.is_some()));
             notes.extend(self.slip(motion.as_ref(), &matched));
@@ -172,6 +179,7 @@ impl PoseTracker {
         };
         if begins {
             self.doubt = PoseDoubt::of_stretch(self.doubt.stretch + 1);
+            self.guessed_m = 0.0;
         } else {
             self.doubt.add(&doubt, Point2::from(pose.translation.vector));
         }
