@@ -60,7 +60,8 @@ impl Chassis {
         self.scans += 1;
         let (mut far, mut moved) = (0, 0);
         for ((has_moved, first_m), now_m) in self.has_moved.iter_mut().zip(&self.first_m).zip(&ranges_m) {
-            *has_moved |= first_m.is_finite() != now_m.is_finite() || (now_m - first_m).abs() > STAYS_M;
+            // A beam at the edge of two sectors is now in one, now in the other.
+            *has_moved |= first_m.is_finite() && now_m.is_finite() && (now_m - first_m).abs() > STAYS_M;
             if first_m.is_finite() && !is_near(first_m) {
                 (far, moved) = (far + 1, moved + u32::from(*has_moved));
             }

@@ -22,7 +22,7 @@ const REACH_KNOWN_M: f64 = 0.5;
 const MOST_OF_MOTION: f64 = 2.0;
 
 /// Where a vehicle is whose motion is not known, along a direction that walls do not show (standard deviation), metres.
-const UNKNOWN_M: f64 = 1.0;
+const UNKNOWN_M: f64 = 0.5;
 
 /// What is made up for motions that were not known is off by this share of it (standard deviation).
 const MADE_UP_SHARE: f64 = 0.5;

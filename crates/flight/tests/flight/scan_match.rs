@@ -229,7 +229,7 @@ fn an_end_wall_far_ahead_shows_the_way_from_the_first_scan() {
 fn a_side_way_that_comes_into_view_frees_the_pose() {
     for step_m in [0.1, 0.2, 0.3] {
         let poses = ahead((12.0 / step_m) as usize, step_m);
-        let walls: Vec<_> = with_an_end(1.75).into_iter().map(|wall| wall.map(|[x, y]| [x - 3.0, y])).collect();
+        let walls: Vec<_> = with_an_end(1.75).into_iter().map(|wall| wall.map(|[x, y]| [x - 5.0, y])).collect();
         let found = fly_within(10.0, &walls, &poses);
         assert!(end_off_m(&found, &poses) < 1.0, "{step_m} m a scan: {:?}", found.last());
     }
@@ -279,10 +279,10 @@ fn the_vehicle_in_its_own_scans_does_not_hold_its_pose() {
 }
 
 #[test]
-fn how_far_a_vehicle_is_along_a_smooth_tunnel_is_not_known_to_a_metre() {
+fn how_far_a_vehicle_is_along_a_smooth_tunnel_is_not_known() {
     for step_m in [0.0, 0.2] {
         let found = fly_within(RANGE_M, &SMOOTH, &ahead(20, step_m));
-        let is_doubtful = |of: &Matched| matches!(of.held, Held::ButAlong(_)) && of.covariance[(0, 0)] > 0.5;
+        let is_doubtful = |of: &Matched| matches!(of.held, Held::ButAlong(_)) && of.covariance[(0, 0)] > 0.2;
         assert!(found[1..].iter().all(is_doubtful), "{step_m} m a scan: {:?}", found.last());
     }
 }
