@@ -171,3 +171,18 @@ fn noise_that_is_cut_off_at_the_limit_is_no_return() {
     let (_, lines) = results_of(&path, &[]);
     assert_eq!(of(&lines, |line| line["junctions"] == 0 && line["returns"].as_u64() < Some(4)), lines.len());
 }
+/// How far the vehicle is ahead at the end of a flight by its scans, where it is truly, and how far off it may be.
+#[test]
+fn what_is_in_view_shows_how_far_a_vehicle_came_without_odometry() {
+    for (name, true_m, off_m) in [
+        ("R04-header-levels/one_level.csv", 9.75, 0.1),
+        ("U02-pose-stuck/tee.mcap", 12.8, 0.6),
+        ("U04-fast-steps/rough_0.8m.mcap", 43.2, 0.5),
+        ("U08-chassis-holds-pose/chassis.mcap", 11.85, 0.3),
+    ] {
+        let Some(path) = case(name) else { return };
+        let (_, lines) = results_of(&path, &[]);
+        let end_m = lines.last().and_then(|line| line["pose"]["x_m"].as_f64()).expect("a pose");
+        assert!((end_m - true_m).abs() < off_m, "{name}: {end_m} m");
+    }
+}

@@ -55,7 +55,8 @@ pub(crate) struct OdometryAgreement {
     odometry_m: f64,
     scans_m: f64,
     contradicts: bool,
-    /// The squares of what the two were apart by, as a share, where they agreed, and their number.
+    /// Over all comparisons, each [`KEPT`] times what the next one counts for: the squares of what the two were apart by, as a
+    /// share, and the number of comparisons.
     squares: f64,
     comparisons: f64,
 }

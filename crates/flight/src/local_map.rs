@@ -93,6 +93,11 @@ impl LocalMap {
         self.points.clear();
     }
 
+    /// All line points.
+    pub(crate) fn points(&self) -> impl Iterator<Item = &LinePoint> {
+        self.cells.iter().zip(self.points.chunks(MAX_IN_CELL)).flat_map(|(cell, points)| &points[..cell.len])
+    }
+
     pub(crate) fn insert(&mut self, point: LinePoint) {
         let at = cell_of(&point.position_m);
         let cell = self.find(at).unwrap_or_else(|| self.add_cell(at, &point));

@@ -40,7 +40,7 @@ const TREMBLES_RAD: f64 = 0.005;
 /// A step of the odometry below this is none, in m and rad: equal poses differ by as much once they are interpolated.
 const MOVED: f64 = 1e-6;
 
-/// After a gap, odometry that leads across it may come so many revolutions late.
+/// After a gap, odometry that leads across it may come up to this many revolutions late.
 const WAITED: u32 = 5;
 
 /// Gives each revolution of a flight its pose.
@@ -61,6 +61,8 @@ pub struct PoseTracker {
     /// The last motion.
     step: Isometry2<f64>,
     doubt: PoseDoubt,
+    /// What was guessed of the way since the walls last held the pose, metres.
+    guessed_m: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -105,6 +107,7 @@ impl PoseTracker {
             pose: Isometry2::identity(),
             step: Isometry2::identity(),
             doubt: PoseDoubt::default(),
+            guessed_m: 0.0,
         }
     }
 
@@ -141,7 +144,7 @@ impl PoseTracker {
         }
         self.open = None;
         let by_odometry = self.kind == PoseKind::Odometry || revolution.beams().is_none();
-        let (pose, doubt, lost) = if by_odometry {
+        let (pose, doubt) = if by_odometry {
             if !had_odometry {
                 if self.kind != PoseKind::Auto {
                     notes.add(N091, "pose: no odometry yet");
@@ -152,7 +155,7 @@ impl PoseTracker {
                 notes.add(N092, "pose: no odometry at this time; the pose before");
             }
             let pose = motion.map_or(self.pose, |motion| self.pose * motion.step);
-            (pose, self.by_odometry(&pose), false)
+            (pose, self.by_odometry(&pose))
         } else {
             let is_expected = match self.kind {
                 PoseKind::Auto => had_odometry,
@@ -162,23 +165,28 @@ impl PoseTracker {
                 notes.add(N093, "pose: no odometry at this time; by the scan alone");
             }
             let matched = self.matcher.add(revolution, motion.filter(|_| self.has_moved));
-            let doubt = self.by_scan(&matched, motion.is_some());
+            let mut doubt = self.by_scan(&matched, motion.is_some());
+            if let Some(known_m) = matched.guess_known_m {
+                doubt.guessed_m = known_m - self.guessed_m;
+            }
+            self.guessed_m = if matched.held == Held::Everywhere { 0.0 } else { self.guessed_m + doubt.guessed_m };
             begins |= matched.lost;
             notes.extend(odd(&matched, motion.is_some()));
             notes.extend(self.slip(motion.as_ref(), &matched));
             notes.extend(self.unknown_length(&matched, motion.is_some()));
             notes.extend(motion.and_then(|motion| self.compare(&motion, &matched)));
-            (matched.pose, doubt, matched.lost)
+            (matched.pose, doubt)
         };
         if begins {
             self.doubt = PoseDoubt::of_stretch(self.doubt.stretch + 1);
+            self.guessed_m = 0.0;
         } else {
             self.doubt.add(&doubt, Point2::from(pose.translation.vector));
         }
         self.step = self.pose.inv_mul(&pose);
         self.pose = pose;
         self.odometry = odometry.map(|odometry| (odometry, pose)).or(self.odometry.filter(|_| !begins));
-        Some(Tracked { pose, doubt: self.doubt, lost: lost || begins })
+        Some(Tracked { pose, doubt: self.doubt, lost: begins })
     }
 
     /// The motion since the revolution before, by a step of the odometry from the pose `there`.

@@ -15,13 +15,17 @@
 //! standard deviations off the odometry is weighed against it: where the walls lie better by less than the odometry's own
 //! covariance makes of it, the pose is where odometry has it, and walls only correct it as far as that covariance lets them.
 
+mod by_scans;
+
 use nalgebra::{Isometry2, Matrix2, Matrix3, Point2, Unit, Vector2, Vector3};
 
-use crosscut_stage::{Revolution, wrap_angle_rad};
+use crosscut_stage::{Point, Revolution};
 
 use crate::evidence::{MatchEvidence, Matching, stepped};
 use crate::line_points::{LinePoint, least_axis, line_points};
 use crate::local_map::LocalMap;
+use crate::motion::{Earned, MOST_OF_ODOMETRY, Motion, difference, loosest, matching_covariance, steadily, turned};
+use crate::unaided::Unaided;
 
 /// A typical distance of a return from the line that it belongs to: noise of the range and roughness of walls.
 const DEVIATION_M: f64 = 0.05;
@@ -70,7 +74,7 @@ const USUAL_AFTER: u32 = 5;
 const MOST_POINTS: usize = 200;
 
 /// A start at which fewer of them than this share match is not followed, nor one that does not lead to [`LEAST_MATCHED`] within
-/// so many steps: where the walls are those seen before, the first steps bring most of them together.
+/// [`FIRST_STEPS`]: where the walls are those seen before, the first steps bring most of them together.
 const LEAST_AT_START: f64 = 0.15;
 const FIRST_STEPS: usize = 2;
 
@@ -87,44 +91,21 @@ const OTHER_LEAD: f64 = 4.0;
 /// A match that lies this many standard deviations off the motion that odometry shows contradicts it: then both are weighed.
 const CONTRADICTS: f64 = 3.0;
 
-/// Returns that follow each other err alike: so many of them count as one where they are weighed against odometry.
+/// Returns that follow each other err alike: this many of them count as one where walls are weighed against odometry.
 const ALIKE: f64 = 4.0;
 
 /// A match that contradicts odometry has a share of line points no lower than the usual one less this.
 const LESS_THAN_USUAL: f64 = 0.2;
 
-/// The scale of the odometry's variance follows this share of each innovation, within these bounds.
-const EARNED: f64 = 0.05;
-const LEAST_EARNED: f64 = 0.25;
-const MOST_EARNED: f64 = 100.0;
-
-/// Wheels slip, so that what odometry shows weighs no more than this against the walls, as a square of standard deviations.
-const MOST_OF_ODOMETRY: f64 = 25.0;
-
 /// Revolutions that odometry takes to be farther apart than this are no neighbours: walls that match elsewhere are others.
 pub(crate) const NEIGHBOURS_M: f64 = 1.0;
 
+/// Walls lie worse than usual if their sum, a line point, is more than the usual one times this, and more by this.
+const POOR_TIMES: f64 = 1.5;
+const POOR: f64 = 0.3;
+
 /// A steady motion that ends this near to where odometry does is not tried, metres and radians.
 const NEAR: f64 = 0.03;
-
-/// Standard deviations of a motion that is predicted from the one before: a share of it, and at least this much.
-const STEADY_SHARE: f64 = 0.3;
-const STEADY_M: f64 = 0.05;
-const STEADY_RAD: f64 = 0.05;
-
-/// Two poses that are matched to the same walls are off by this from each other although nothing slipped (standard
-/// deviations): walls are rough, and the scan bends while the vehicle turns.
-const MATCHING_M: f64 = 0.02;
-const MATCHING_RAD: f64 = 0.01;
-
-/// A motion from one revolution to the next, and how well it is known.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion {
-    /// The later pose in the frame of the earlier one.
-    pub step: Isometry2<f64>,
-    /// Of x, y (m²) and yaw (rad²) in the frame of the earlier pose.
-    pub covariance: Matrix3<f64>,
-}
 
 /// Where a revolution was taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -143,6 +124,8 @@ pub struct Matched {
     pub lost: bool,
     /// Where the walls hold the position.
     pub held: Held,
+    /// What was guessed since the walls last held the pose is known to within this (standard deviation), metres.
+    pub guess_known_m: Option<f64>,
 }
 
 /// In which directions the walls hold a position.
@@ -170,15 +153,22 @@ pub struct ScanMatcher {
     /// Of [`HELD_M`] that which counts for this revolution.
     held_m: f64,
     earned: Earned,
-    /// The walls contradicted the odometry, and more spoke for the odometry.
-    contradicts: bool,
+    /// The walls contradicted the odometry, and more spoke for the odometry: what the scan saw is not remembered.
+    is_overruled: bool,
     usual: UsualShare,
+    /// Of the last match, the walls' sum a line point.
+    walls_of_point: f64,
+    /// The returns that are not the vehicle's.
+    points_m: Vec<Point>,
+    unaided: Unaided,
 }
 
 /// The share of line points that usually match.
 #[derive(Clone, Copy, Debug, Default)]
 struct UsualShare {
     matched: f64,
+    /// The sum of the walls, a line point.
+    walls: f64,
     revolutions: u32,
 }
 
@@ -188,22 +178,19 @@ struct Prediction {
     covariance: Matrix3<f64>,
     /// Where the walls hold the pose, and where they do not.
     information: [Matrix3<f64>; 2],
-    /// What a match has to be better by.
-    lead: f64,
 }
 
 /// A minimum of the sum.
 struct Aligned {
-    cost: f64,
-    /// The walls' part of it.
+    /// The walls' part of the sum.
     walls: f64,
     matched: Matched,
 }
 
 impl Aligned {
     /// What speaks against it: the walls, and what odometry predicted.
-    fn weighed(&self, by_odometry: &Prediction) -> f64 {
-        let surprise = by_odometry.surprise(&difference(&self.matched.pose, &by_odometry.pose));
+    fn weighed(&self, by: &Prediction, is_motion_known: bool) -> f64 {
+        let surprise = if is_motion_known { by.surprise(&difference(&self.matched.pose, &by.pose)) } else { 0.0 };
         self.walls / ALIKE + (surprise * surprise).min(MOST_OF_ODOMETRY)
     }
 }
@@ -217,35 +204,50 @@ struct MatchedWalls {
 impl ScanMatcher {
     /// The pose of the next revolution. Without a `predicted` motion the vehicle is taken to move on steadily.
     pub fn add(&mut self, revolution: &Revolution, predicted: Option<Motion>) -> Matched {
-        let every = revolution.points_m.len().div_ceil(MOST_POINTS).max(1);
-        line_points(&revolution.points_m, every, &mut self.line_points);
+        let mut points_m = std::mem::take(&mut self.points_m);
+        points_m.clear();
+        points_m.extend(&revolution.points_m);
+        if predicted.is_none() {
+            self.unaided.leave_out_vehicle(&mut points_m);
+        }
+        let every = points_m.len().div_ceil(MOST_POINTS).max(1);
+        line_points(&points_m, every, &mut self.line_points);
         let steady = self.steady_motion();
         let carried = if predicted.is_some() { self.carried } else { Matrix3::zeros() };
         let predicted = predicted.map(|motion| Motion { covariance: self.earned.scaled(&motion.covariance), ..motion });
-        let prediction = self.prediction(&predicted.unwrap_or(steady), &carried, 0.0);
-        self.contradicts = false;
+        let prediction = self.prediction(&predicted.unwrap_or(steady), &carried);
+        self.is_overruled = false;
         self.held_m = HELD_M[usize::from(predicted.is_none())];
         // A revolution without walls, such as one of a covered lidar, is not lost: the next may match again.
         let matched = if self.map.is_empty() || self.line_points.is_empty() {
             let held = if self.map.is_empty() { Held::Everywhere } else { Held::Nowhere };
             Matched { matched: 1.0, lost: false, held, ..prediction.lost() }
         } else {
-            self.match_walls(&prediction, steady, predicted.is_some())
+            self.match_walls(&points_m, &prediction, steady, predicted.is_some())
         };
-        self.usual.add(&matched);
-        self.last_step = if matched.lost { Isometry2::identity() } else { self.pose.inv_mul(&matched.pose) };
+        self.usual.add(&matched, self.walls_of_point);
+        let step = self.unaided.next_step.take().unwrap_or_else(|| self.pose.inv_mul(&matched.pose));
+        self.last_step = if matched.lost { Isometry2::identity() } else { step };
         self.pose = matched.pose;
         self.carried = matched.covariance;
         if matched.lost {
             self.map.clear();
         }
-        if !self.contradicts {
-            self.remember(revolution);
+        if !self.is_overruled {
+            let is_remembered = self.remember(&points_m);
+            self.unaided.is_adrift |= is_remembered && matched.held != Held::Everywhere;
         }
+        self.points_m = points_m;
         matched
     }
 
-    fn match_walls(&mut self, prediction: &Prediction, steady: Motion, has_odometry: bool) -> Matched {
+    fn match_walls(
+        &mut self,
+        points_m: &[Point],
+        prediction: &Prediction,
+        steady: Motion,
+        has_odometry: bool,
+    ) -> Matched {
         // Walls off by more than the kernel do not pull: after a slip the minimum lies near the steady motion.
         self.matching.begin(self.line_points.iter().copied());
         let first = self.align(prediction, None);
@@ -255,28 +257,33 @@ impl ScanMatcher {
         let found = (!first.matched.lost && pull <= OTHER_LEAD).then_some(first.matched.pose);
         let standing = Motion { step: Isometry2::identity(), ..steady };
         let others = [(steady, NEAR), (standing, KERNEL_M)]
-            .map(|(motion, near)| (self.prediction(&motion, &Matrix3::zeros(), OTHER_LEAD), near));
+            .map(|(motion, near)| (self.prediction(&motion, &Matrix3::zeros()), near));
         let is_far = |(other, near): &&(Prediction, f64)| {
             let off = difference(&other.pose, &prediction.pose);
-            off.amax() > *near && off.xy().norm() < NEIGHBOURS_M
+            has_odometry && off.amax() > *near && off.xy().norm() < NEIGHBOURS_M
         };
         let others = others.iter().filter(is_far).map(|(other, _)| self.align(other, found.as_ref()));
         // Along a smooth tunnel any motion fits, and standing fits best: the beams meet the walls where they did before.
-        let is_shown = |other: &Aligned| !has_odometry || other.matched.held == Held::Everywhere;
-        let sum = |of: &Aligned| if has_odometry { of.weighed(prediction) } else { of.cost };
+        let is_shown = |other: &Aligned| other.matched.held == Held::Everywhere;
+        let sum = |of: &Aligned| of.weighed(prediction, true);
         let best =
             others.filter(is_shown).fold(first, |best, other| if sum(&other) < sum(&best) { other } else { best });
-        let surprise = prediction.surprise(&difference(&best.matched.pose, &prediction.pose));
-        if has_odometry && best.matched.held == Held::Everywhere {
-            self.earned.add(&difference(&best.matched.pose, &prediction.pose), &prediction.covariance);
+        match has_odometry {
+            true => self.beside_odometry(prediction, best),
+            false => self.by_scans(points_m, prediction, best),
         }
-        let matched = if has_odometry {
-            if best.matched.lost || surprise > CONTRADICTS { self.weigh(prediction, best) } else { best.matched }
-        } else if self.usual.is_unusual(best.matched.matched, surprise) {
-            Matched { matched: best.matched.matched, ..prediction.lost() }
-        } else {
-            best.matched
-        };
+    }
+
+    fn beside_odometry(&mut self, prediction: &Prediction, best: Aligned) -> Matched {
+        let off = difference(&best.matched.pose, &prediction.pose);
+        let surprise = prediction.surprise(&off);
+        self.walls_of_point = best.walls / self.matching.len() as f64;
+        self.unaided.follow(true);
+        if best.matched.held == Held::Everywhere {
+            self.earned.add(&off, &prediction.covariance);
+        }
+        let matched =
+            if best.matched.lost || surprise > CONTRADICTS { self.weigh(prediction, best) } else { best.matched };
         Matched { surprise, ..matched }
     }
 
@@ -299,10 +306,10 @@ impl ScanMatcher {
         let by_odometry = self.walls(&walls.evidence) / ALIKE + off.dot(&(tight * off));
         // Among walls that were not seen before, a false match lies as well on some as the true pose does.
         let is_usual = by_walls.matched.matched > self.usual.matched - LESS_THAN_USUAL;
-        if is_usual && by_walls.weighed(prediction) < by_odometry {
+        if is_usual && by_walls.weighed(prediction, true) < by_odometry {
             return by_walls.matched;
         }
-        self.contradicts = !by_walls.matched.lost;
+        self.is_overruled = !by_walls.matched.lost;
         let matched = walls.evidence.matched as f64 / self.matching.len() as f64;
         let covariance = (walls.evidence.information / ALIKE + tight).try_inverse().unwrap_or(prediction.covariance);
         Matched { pose, covariance, matched, lost: false, ..prediction.lost() }
@@ -320,6 +327,7 @@ impl ScanMatcher {
         self.carried = Matrix3::zeros();
         self.last_step = Isometry2::identity();
         self.usual = UsualShare::default();
+        self.unaided.follow(false);
     }
 
     fn steady_motion(&self) -> Motion {
@@ -327,7 +335,7 @@ impl ScanMatcher {
     }
 
     /// A motion from a pose that is known with a covariance `carried`, in the axes of the map.
-    fn prediction(&self, motion: &Motion, carried: &Matrix3<f64>, lead: f64) -> Prediction {
+    fn prediction(&self, motion: &Motion, carried: &Matrix3<f64>) -> Prediction {
         let yaw_rad = self.pose.rotation.angle();
         let moved_m = self.pose.rotation * motion.step.translation.vector;
         let carry = Matrix3::new(1.0, 0.0, -moved_m.y, 0.0, 1.0, moved_m.x, 0.0, 0.0, 1.0);
@@ -337,16 +345,12 @@ impl ScanMatcher {
         let covariance = turned(&motion.covariance, yaw_rad) + carried;
         // The deviations of a motion are above 0.
         let information = [loose, covariance].map(|of| of.try_inverse().unwrap_or_else(Matrix3::identity));
-        Prediction { pose: self.pose * motion.step, covariance, information, lead }
+        Prediction { pose: self.pose * motion.step, covariance, information }
     }
 
     /// The minimum of the sum near a prediction; infinite if the pose is lost, or leads to one that was `found`.
     fn align(&mut self, prediction: &Prediction, found: Option<&Isometry2<f64>>) -> Aligned {
-        let lost = |matched| Aligned {
-            cost: f64::INFINITY,
-            walls: f64::INFINITY,
-            matched: Matched { matched, ..prediction.lost() },
-        };
+        let lost = |matched| Aligned { walls: f64::INFINITY, matched: Matched { matched, ..prediction.lost() } };
         let all = self.matching.len() as f64;
         let mut pose = prediction.pose;
         let mut walls = self.walls_at(&pose);
@@ -370,14 +374,13 @@ impl ScanMatcher {
         }
         let MatchedWalls { evidence, held } = walls;
         let matched = evidence.matched as f64 / all;
-        let off = difference(&pose, &prediction.pose);
         let prior = prediction.prior(held);
         let walls = self.walls(&evidence);
-        let cost = walls + off.dot(&(prior * off)).max(0.0) + prediction.lead;
         match (evidence.information + prior).try_inverse() {
             Some(covariance) if matched >= LEAST_MATCHED => {
-                let matched = Matched { pose, covariance, matched, surprise: 0.0, lost: false, held };
-                Aligned { cost, walls, matched }
+                let matched =
+                    Matched { pose, covariance, matched, surprise: 0.0, lost: false, held, guess_known_m: None };
+                Aligned { walls, matched }
             }
             _ => lost(matched),
         }
@@ -394,45 +397,19 @@ impl ScanMatcher {
     }
 
     /// Adds the revolution to the map if the vehicle has moved or turned enough since the last one that was added.
-    fn remember(&mut self, revolution: &Revolution) {
+    fn remember(&mut self, points_m: &[Point]) -> bool {
         let since = self.keyframe.inv_mul(&self.pose);
         let is_far = since.translation.vector.norm() > KEYFRAME_M || since.rotation.angle().abs() > KEYFRAME_RAD;
-        if !is_far && !self.map.is_empty() {
-            return;
+        if !is_far && !self.map.is_empty() && !std::mem::take(&mut self.unaided.must_remember) {
+            return false;
         }
         self.keyframe = self.pose;
         self.map.keep_around(&Point2::from(self.pose.translation.vector), MAP_RADIUS_M);
-        line_points(&revolution.points_m, 1, &mut self.line_points);
+        line_points(points_m, 1, &mut self.line_points);
         for point in &self.line_points {
             self.map.insert(point.at(&self.pose));
         }
-    }
-}
-
-/// How many times the variance of its motions that odometry is stated to have it has shown, by position and by heading.
-#[derive(Clone, Copy, Debug)]
-struct Earned([f64; 2]);
-
-impl Default for Earned {
-    fn default() -> Self {
-        Self([1.0; 2])
-    }
-}
-
-impl Earned {
-    fn scaled(&self, covariance: &Matrix3<f64>) -> Matrix3<f64> {
-        let [position, heading] = self.0.map(f64::sqrt);
-        let scale = Matrix3::from_diagonal(&Vector3::new(position, position, heading));
-        scale * covariance * scale
-    }
-
-    /// Takes how far a match lies off a motion with a covariance that was scaled.
-    fn add(&mut self, off: &Vector3<f64>, covariance: &Matrix3<f64>) {
-        let expected = covariance + matching_covariance();
-        let square = |at: usize| off[at] * off[at] / expected[(at, at)];
-        for (scale, times) in self.0.iter_mut().zip([0.5 * (square(0) + square(1)), square(2)]) {
-            *scale = (*scale * (1.0 + EARNED * (times.min(MOST_OF_ODOMETRY) - 1.0))).clamp(LEAST_EARNED, MOST_EARNED);
-        }
+        true
     }
 }
 
@@ -443,13 +420,20 @@ impl UsualShare {
         self.revolutions >= USUAL_AFTER && below.hypot(surprise / UNUSUAL_DEVIATIONS) > UNUSUAL
     }
 
-    fn add(&mut self, matched: &Matched) {
+    /// Whether walls lie worse than usual.
+    fn are_worse(&self, walls: f64) -> bool {
+        self.revolutions > 1 && walls > POOR_TIMES * self.walls + POOR
+    }
+
+    fn add(&mut self, matched: &Matched, walls: f64) {
         if matched.lost {
             *self = Self::default();
             return;
         }
         let share = if self.revolutions == 0 { 1.0 } else { FOLLOWED };
         self.matched += share * (matched.matched - self.matched);
+        // The first revolution has no walls to lie on.
+        self.walls += if self.revolutions <= 1 { walls - self.walls } else { FOLLOWED * (walls - self.walls) };
         self.revolutions = self.revolutions.saturating_add(1);
     }
 }
@@ -478,7 +462,7 @@ impl Prediction {
     /// The result where the walls show nothing.
     fn lost(&self) -> Matched {
         let (pose, covariance) = (self.pose, self.covariance);
-        Matched { pose, covariance, matched: 0.0, surprise: 0.0, lost: true, held: Held::Nowhere }
+        Matched { pose, covariance, matched: 0.0, surprise: 0.0, lost: true, held: Held::Nowhere, guess_known_m: None }
     }
 }
 
@@ -501,35 +485,4 @@ fn take_noise_off(evidence: &mut MatchEvidence, held_m: f64) -> Held {
     evidence.gradient += along_3 * ((share - 1.0) * along_3.dot(&evidence.gradient));
     let left = share * least / (DEVIATION_M * DEVIATION_M);
     if left > 1.0 / (held_m * held_m) { Held::Everywhere } else { Held::ButAlong(along) }
-}
-
-/// Covariance of a motion that is predicted from the one before.
-fn steadily(step: &Isometry2<f64>) -> Matrix3<f64> {
-    let deviation_m = STEADY_M + STEADY_SHARE * step.translation.vector.norm();
-    let deviation_rad = STEADY_RAD + STEADY_SHARE * step.rotation.angle().abs();
-    let deviations = Vector3::new(deviation_m, deviation_m, deviation_rad);
-    Matrix3::from_diagonal(&deviations.component_mul(&deviations))
-}
-
-/// Of two covariances without correlations, the greater variance of each value.
-fn loosest(a: &Matrix3<f64>, b: &Matrix3<f64>) -> Matrix3<f64> {
-    Matrix3::from_diagonal(&a.diagonal().sup(&b.diagonal()))
-}
-
-/// Covariance of the motion between two poses that are matched to the same walls.
-fn matching_covariance() -> Matrix3<f64> {
-    let deviations = Vector3::new(MATCHING_M, MATCHING_M, MATCHING_RAD);
-    Matrix3::from_diagonal(&deviations.component_mul(&deviations))
-}
-
-/// x, y and yaw of a pose less those of another, in the axes of the map.
-fn difference(pose: &Isometry2<f64>, other: &Isometry2<f64>) -> Vector3<f64> {
-    let off_m = pose.translation.vector - other.translation.vector;
-    Vector3::new(off_m.x, off_m.y, wrap_angle_rad(pose.rotation.angle() - other.rotation.angle()))
-}
-
-/// A covariance of x, y and yaw in axes that lie `yaw_rad` clockwise of its own.
-fn turned(covariance: &Matrix3<f64>, yaw_rad: f64) -> Matrix3<f64> {
-    let turn = nalgebra::Rotation2::new(yaw_rad).to_homogeneous();
-    turn * covariance * turn.transpose()
 }

@@ -1,6 +1,6 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use crosscut_flight::{Matched, Motion, ScanMatcher};
+use crosscut_flight::{Held, Matched, Motion, ScanMatcher};
 use crosscut_stage::{Point, Revolution};
 use nalgebra::{Isometry2, Matrix3, Vector2, Vector3};
 use rand::SeedableRng as _;
@@ -31,13 +31,17 @@ const CORNER: [Wall; 10] = [
 const SMOOTH: [Wall; 2] = [[[-100.0, -1.5], [200.0, -1.5]], [[200.0, 1.5], [-100.0, 1.5]]];
 
 fn scan(walls: &[Wall], pose: &Isometry2<f64>, rng: &mut Pcg64Mcg) -> Revolution {
+    scan_within(RANGE_M, walls, pose, rng)
+}
+
+fn scan_within(most_m: f64, walls: &[Wall], pose: &Isometry2<f64>, rng: &mut Pcg64Mcg) -> Revolution {
     let noise = Normal::new(0.0, NOISE_M).expect("a deviation above 0");
     let beams = (0..BEAMS).map(|beam| TAU * beam as f64 / BEAMS as f64);
     let returns = beams.filter_map(|bearing_rad| {
         let direction = pose.rotation * Vector2::new(bearing_rad.cos(), bearing_rad.sin());
         let ranges_m = walls.iter().filter_map(|wall| range_m(wall, pose.translation.vector, direction));
         let range_m = ranges_m.fold(f64::INFINITY, f64::min) + noise.sample(rng);
-        (range_m < RANGE_M).then(|| Point::new(range_m * bearing_rad.cos(), range_m * bearing_rad.sin(), 0.0))
+        (range_m < most_m).then(|| Point::new(range_m * bearing_rad.cos(), range_m * bearing_rad.sin(), 0.0))
     });
     Revolution { points_m: returns.collect(), ..Revolution::default() }
 }
@@ -79,6 +83,12 @@ fn fly(walls: &[Wall], poses: &[Isometry2<f64>], drift: Option<f64>) -> Vec<Matc
             matcher.add(&scan(walls, pose, &mut rng), predicted)
         })
         .collect()
+}
+
+/// Matches scans with a range, by nothing else.
+fn fly_within(most_m: f64, walls: &[Wall], poses: &[Isometry2<f64>]) -> Vec<Matched> {
+    let (mut rng, mut matcher) = (Pcg64Mcg::seed_from_u64(9), ScanMatcher::default());
+    poses.iter().map(|pose| matcher.add(&scan_within(most_m, walls, pose, &mut rng), None)).collect()
 }
 
 fn off_m(found: &Matched, pose: &Isometry2<f64>) -> f64 {
@@ -171,4 +181,108 @@ fn a_revolution_without_returns_keeps_the_motion_and_the_walls() {
     let after = Isometry2::new(Vector2::new(0.1, 0.05), 0.02);
     let matched = matcher.add(&scan(&CORNER, &after, &mut rng), None);
     assert!(!matched.lost && matched.matched > 0.5 && off_m(&matched, &after) < 0.1, "{matched:?}");
+}
+
+/// A corridor from x = -30 m to its end wall at 30 m, with a side way on its left that begins at 12 m.
+fn with_an_end(half_width_m: f64) -> Vec<Wall> {
+    let h = half_width_m;
+    vec![
+        [[-30.0, h], [12.0, h]],
+        [[12.0, h], [12.0, 20.0]],
+        [[14.0, 20.0], [14.0, h]],
+        [[14.0, h], [30.0, h]],
+        [[30.0, h], [30.0, -h]],
+        [[30.0, -h], [-30.0, -h]],
+    ]
+}
+
+/// Two walls in pieces of 0.3 m whose ends lie up to 10 cm off.
+fn rough(rng: &mut Pcg64Mcg) -> Vec<Wall> {
+    let offset = Normal::new(0.0, 0.06).expect("a deviation above 0");
+    let mut walls = Vec::new();
+    for side_m in [1.8, -1.8] {
+        let ends: Vec<_> = (-60..300).map(|i| [0.3 * f64::from(i), side_m + offset.sample(rng)]).collect();
+        walls.extend(ends.windows(2).map(|two| [two[0], two[1]]));
+    }
+    walls
+}
+
+fn ahead(scans: usize, step_m: f64) -> Vec<Isometry2<f64>> {
+    (0..scans).map(|i| Isometry2::translation(step_m * i as f64, 0.1)).collect()
+}
+
+/// How far the last pose is off from that of the first scan.
+fn end_off_m(found: &[Matched], poses: &[Isometry2<f64>]) -> f64 {
+    off_m(found.last().expect("some"), &poses[0].inv_mul(poses.last().expect("some")))
+}
+
+#[test]
+fn an_end_wall_far_ahead_shows_the_way_from_the_first_scan() {
+    for step_m in [0.05, 0.25, 0.6] {
+        let poses = ahead(30, step_m);
+        let found = fly_within(50.0, &with_an_end(1.2), &poses);
+        assert!(end_off_m(&found, &poses) < 0.15, "{step_m} m a scan: {:?}", found.last());
+    }
+}
+
+#[test]
+fn a_side_way_that_comes_into_view_frees_the_pose() {
+    for step_m in [0.1, 0.2, 0.3] {
+        let poses = ahead((12.0 / step_m) as usize, step_m);
+        let walls: Vec<_> = with_an_end(1.75).into_iter().map(|wall| wall.map(|[x, y]| [x - 5.0, y])).collect();
+        let found = fly_within(10.0, &walls, &poses);
+        assert!(end_off_m(&found, &poses) < 1.0, "{step_m} m a scan: {:?}", found.last());
+    }
+}
+
+#[test]
+fn steps_far_longer_than_the_kernel_is_wide_are_found_between_rough_walls() {
+    for step_m in [0.5, 0.8, 1.2] {
+        let walls = rough(&mut Pcg64Mcg::seed_from_u64(4));
+        let poses = ahead(20, step_m);
+        let found = fly_within(RANGE_M, &walls, &poses);
+        assert!(end_off_m(&found, &poses) < 0.3, "{step_m} m a scan: {:?}", found.last());
+    }
+}
+
+#[test]
+fn a_turn_between_two_scans_is_found() {
+    let room: Vec<Wall> = ROOM.iter().map(|wall| wall.map(|[x, y]| [5.0 * x, 4.0 * y])).collect();
+    let step = Isometry2::new(Vector2::new(0.4, 0.0), 0.5);
+    let poses: Vec<_> =
+        (0..6).scan(Isometry2::translation(0.3, -0.8), |pose, _| Some(std::mem::replace(pose, *pose * step))).collect();
+    let found = fly_within(RANGE_M, &room, &poses);
+    assert!(found.iter().all(|matched| !matched.lost) && end_off_m(&found, &poses) < 0.1, "{found:?}");
+}
+
+/// Of 360 beams the 137 behind see the vehicle itself.
+#[test]
+fn the_vehicle_in_its_own_scans_does_not_hold_its_pose() {
+    let walls = rough(&mut Pcg64Mcg::seed_from_u64(6));
+    let (mut rng, mut matcher) = (Pcg64Mcg::seed_from_u64(7), ScanMatcher::default());
+    let noise = Normal::new(0.0, NOISE_M).expect("a deviation above 0");
+    let poses = ahead(60, 0.15);
+    let found: Vec<_> = poses
+        .iter()
+        .map(|pose| {
+            let mut scan = scan(&walls, pose, &mut rng);
+            scan.points_m.retain(|point| point.y.atan2(point.x).abs() < 1.95);
+            let behind = (112..=248).map(|degrees| f64::from(degrees).to_radians());
+            scan.points_m.extend(behind.map(|bearing_rad| {
+                let range_m = 0.43 + noise.sample(&mut rng);
+                Point::new(range_m * bearing_rad.cos(), range_m * bearing_rad.sin(), 0.0)
+            }));
+            matcher.add(&scan, None)
+        })
+        .collect();
+    assert!(end_off_m(&found, &poses) < 0.5, "{:?}", found.last());
+}
+
+#[test]
+fn how_far_a_vehicle_is_along_a_smooth_tunnel_is_not_known() {
+    for step_m in [0.0, 0.2] {
+        let found = fly_within(RANGE_M, &SMOOTH, &ahead(20, step_m));
+        let is_doubtful = |of: &Matched| matches!(of.held, Held::ButAlong(_)) && of.covariance[(0, 0)] > 0.2;
+        assert!(found[1..].iter().all(is_doubtful), "{step_m} m a scan: {:?}", found.last());
+    }
 }
