@@ -85,9 +85,16 @@ impl Chassis {
         self.scans = 0;
     }
 
-    /// Whether a return is the vehicle's.
+    /// Whether a return is the vehicle's. A beam at the edge of two sectors is now in one, now in the other.
     pub(crate) fn has(&self, point: &Point) -> bool {
-        let of_vehicle_m = self.of_vehicle_m.get(sector(point)).copied().flatten();
-        of_vehicle_m.is_some_and(|of_vehicle_m| (range_m(point) - of_vehicle_m).abs() < 2.0 * STAYS_M)
+        if self.of_vehicle_m.is_empty() {
+            return false;
+        }
+        let (at, point_m) = (sector(point), range_m(point));
+        let stays = |by: usize| {
+            let of_vehicle_m = self.of_vehicle_m[(at + by) % SECTORS];
+            of_vehicle_m.is_some_and(|of_vehicle_m| (point_m - of_vehicle_m).abs() < 2.0 * STAYS_M)
+        };
+        [0, 1, SECTORS - 1].into_iter().any(stays)
     }
 }

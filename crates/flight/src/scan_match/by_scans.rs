@@ -18,11 +18,14 @@ const REACH_M: f64 = 2.5;
 const REACH_POOR_M: f64 = 1.5;
 const REACH_KNOWN_M: f64 = 0.5;
 
+/// A match that walls hold is where they show it if each other shift is worse by this, in squares of standard deviations.
+const LEAST_LEAD: f64 = 1.0;
+
 /// A shift costs at most this for being none that the motion before lets expect, in squares of standard deviations.
 const MOST_OF_MOTION: f64 = 2.0;
 
 /// Where a vehicle is whose motion is not known, along a direction that walls do not show (standard deviation), metres.
-const UNKNOWN_M: f64 = 0.5;
+const UNKNOWN_M: f64 = 0.35;
 
 /// What is made up for motions that were not known is off by this share of it (standard deviation).
 const MADE_UP_SHARE: f64 = 0.5;
@@ -124,7 +127,7 @@ impl ScanMatcher {
         line_points(points_m, 1, &mut self.unaided.shown);
         self.unaided.shown.retain(|point| search::shows(&point.at(pose), along));
         let is_held = best.matched.held == Held::Everywhere;
-        let is_near = |shift: &Shift| is_held && shift.by_m.abs() < SAME_M && shift.lead > 0.5 * OTHER_LEAD;
+        let is_near = |shift: &Shift| is_held && shift.by_m.abs() < SAME_M && shift.lead > LEAST_LEAD;
         let is_taken = |shift: &Shift| shift.lead > OTHER_LEAD || is_near(shift);
         let by_walls = self.shift(pose, along, is_poor, prediction, &LocalMap::default());
         let taken = by_walls.filter(is_taken);
