@@ -171,6 +171,7 @@ fn noise_that_is_cut_off_at_the_limit_is_no_return() {
     let (_, lines) = results_of(&path, &[]);
     assert_eq!(of(&lines, |line| line["junctions"] == 0 && line["returns"].as_u64() < Some(4)), lines.len());
 }
+
 /// How far the vehicle is ahead at the end of a flight by its scans, where it is truly, and how far off it may be.
 #[test]
 fn what_is_in_view_shows_how_far_a_vehicle_came_without_odometry() {
