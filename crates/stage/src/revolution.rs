@@ -134,7 +134,7 @@ impl Revolution {
         if let Some(entry) = self.entries.iter().find(|&&entry| entry >= n as i32) {
             return Some(format!("an entry is of return {entry} of {n}"));
         }
-        let sweep = self.sweep.as_ref().filter(|sweep| !sweep.is_empty())?;
+        let sweep = self.sweep.as_ref().filter(|sweep| !sweep.is_empty() || sweep.missing > 0)?;
         let (beams, ranges, bearings) = (sweep.beams.len(), sweep.ranges_m.len(), sweep.bearings_rad.len());
         let is_of_no_return = |beam: &Beam| matches!(beam, Beam::Return(at) if *at as usize >= n);
         let turn_rad = LEAST_STEP_RAD..=TAU;
@@ -385,6 +385,8 @@ mod tests {
         };
         assert!(altered(|_, sweep| sweep.missing = 1_000_000_000).is_some());
         assert!(altered(|_, sweep| sweep.missing = usize::MAX).is_some());
+        assert!(altered(|_, sweep| (sweep.beams, sweep.step_rad, sweep.missing) = (Vec::new(), 0.0, 1)).is_some());
+        assert!(altered(|_, sweep| (sweep.beams, sweep.missing) = (Vec::new(), 1_000_000_000)).is_some());
         for step_rad in [0.0, -1.0, 1e-300, f64::NAN, f64::INFINITY] {
             let mut revolution = sound.clone();
             revolution.sweep.as_mut().expect("beams").step_rad = step_rad;

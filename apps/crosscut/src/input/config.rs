@@ -98,7 +98,8 @@ fn is_own(file: &Path) -> bool {
     let of_user = [Some("/proc/self".into()), std::env::home_dir()];
     let user = of_user.into_iter().flatten().find_map(|path| path.metadata().ok()).map(|of_user| of_user.uid());
     let is_of = |uid| uid == 0 || Some(uid) == user;
-    file.metadata().is_ok_and(|file| is_of(file.uid()) && file.mode() & ALL_MAY_WRITE == 0)
+    file.symlink_metadata().is_ok_and(|link| is_of(link.uid()))
+        && file.metadata().is_ok_and(|file| is_of(file.uid()) && file.mode() & ALL_MAY_WRITE == 0)
 }
 
 #[cfg(not(unix))]

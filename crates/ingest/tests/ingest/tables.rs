@@ -246,6 +246,13 @@ fn lists_of_angles_and_distances_are_turns() {
             );
         }
     }
+    let with_one =
+        |odd: &str| list(6, |_, deg, m| format!("{deg},{}", mm(m))).replacen("\n40,", &format!("\n{odd},"), 1);
+    for odd in ["9000", "-1e9", "1e308"] {
+        assert_eq!(scans(&format!("Angle,Distance\n{}", with_one(odd))).len(), 6, "one angle of {odd} changes no unit");
+    }
+    let inches = scans(&format!("angle_deg,distance_in\n{}", list(3, |_, deg, m| format!("{deg},{}", m / 0.0254))));
+    assert!(ranges(&inches, 0).iter().any(|m| (1.5..1.7).contains(m)), "inches");
     let swing = |turn: usize, i: i32| if turn.is_multiple_of(2) { i } else { -i };
     let row = |(turn, i): (usize, i32)| format!("{},{}\n", swing(turn, i), 2 + (i - 20).abs() / 9);
     let swings = (0..6).flat_map(|turn| (-60..=60).map(move |i| (turn, i))).map(row).collect::<String>();

@@ -1,6 +1,6 @@
 //! What the columns of a table hold, by their names: `field.ranges12`, `ranges_12`, `/scan/ranges[12]`, `r12 (mm)`.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 
@@ -67,7 +67,8 @@ const NAMES: &[(Part, &[&str])] = &[
 const ECHO: &str = "stamp.sec,stamp.nanosec,frame_id,angle_min,angle_max,angle_increment,time_increment,scan_time,range_min,\
                     range_max,r*";
 /// Units in names: of ranges in metres, of angles in radians, of times in nanoseconds.
-const UNITS_M: [(&str, f64); 3] = [("mm", 1e-3), ("cm", 1e-2), ("m", 1.0)];
+pub(super) const UNITS_M: [(&str, f64); 6] =
+    [("mm", 1e-3), ("cm", 1e-2), ("m", 1.0), ("in", 0.0254), ("inches", 0.0254), ("ft", 0.3048)];
 const UNITS_RAD: [(&str, f64); 5] =
     [("deg", PI / 180.0), ("degree", PI / 180.0), ("degrees", PI / 180.0), ("rad", 1.0), ("radians", 1.0)];
 const UNITS_NS: [(&str, f64); 4] = [("ns", 1.0), ("us", 1e3), ("ms", 1e6), ("s", NS_PER_S)];
@@ -376,6 +377,7 @@ impl Layout {
         if !self.fields.is_empty() {
             taken += &format!(", {} state the geometry", listed(self.fields.iter().map(|(column, _)| name(*column))));
         }
+        let used: BTreeSet<usize> = used.into_iter().collect();
         let is_left = |(column, name): &(usize, &String)| !name.is_empty() && !used.contains(column);
         let left = self.names.iter().enumerate().filter(is_left).map(|(_, name)| name);
         if left.clone().next().is_some() {

@@ -7,11 +7,15 @@ use std::f64::consts::{PI, TAU};
 
 use crosscut_messages::{Cloud, LaserScan};
 
+use super::layout::UNITS_M;
+
 /// Fewer rows do not show what they hold, and are no turn.
 const LEAST_ROWS: usize = 8;
 /// Angles are in radians up to this, in degrees up to that, and else in hundredths of a degree.
 const LARGEST_RAD: f64 = 6.4;
 const LARGEST_DEG: f64 = 400.0;
+/// A number that is this many times as large as nine of ten angles is none.
+const FAR_OFF: f64 = 3.0;
 /// Distances of which half are larger than this are millimetres.
 const LARGEST_M: f64 = 100.0;
 /// A view that falls short of a turn by less than this, beside two steps, is one.
@@ -50,6 +54,8 @@ pub(super) struct List {
     pub(super) columns: Columns,
     unit_rad: f64,
     unit_m: f64,
+    /// What is larger is no angle.
+    most: f64,
     /// 1 where angles rise from row to row, -1 where they fall.
     direction: f64,
     /// Where turns begin, if it is not where angles jump back by themselves, rad.
@@ -108,13 +114,19 @@ impl List {
         if rows.len() < LEAST_ROWS {
             return None;
         }
+        let mut sizes: Vec<f64> = rows.iter().map(|row| row.values[0].abs()).collect();
+        sizes.sort_by(f64::total_cmp);
+        let most = if columns.are_points { f64::INFINITY } else { FAR_OFF * sizes[sizes.len() * 9 / 10] };
+        rows.retain(|row| row.values[0].abs() <= most);
         let largest = rows.iter().fold(0.0, |largest: f64, row| largest.max(row.values[0].abs()));
         let falls = |pair: &[Row]| (pair[0].values[0] - pair[1].values[0]).abs() > 0.5 * largest;
         // Degrees count on beyond a turn, hundredths of a degree do not.
-        let are_degrees = largest <= LARGEST_DEG || !rows.windows(2).any(falls);
+        let counts_on = !rows.windows(2).any(falls);
+        let are_degrees = largest <= LARGEST_DEG || counts_on;
         let by_size = if largest <= LARGEST_RAD { 1.0 } else { PI / if are_degrees { 180.0 } else { 18000.0 } };
         let mut list =
             Self { columns, unit_rad: columns.unit_rad.unwrap_or(by_size), direction: 1.0, ..Self::default() };
+        list.most = if counts_on { f64::INFINITY } else { most };
         let mut ranges: Vec<f64> = rows.iter().map(|row| list.distance(row)).filter(|range| *range > 0.0).collect();
         ranges.sort_by(f64::total_cmp);
         let middle = ranges.get(ranges.len() / 2).copied().unwrap_or(0.0);
@@ -205,6 +217,11 @@ impl List {
         before.turn != row.turn || turns_back || self.jump_rad.is_some_and(|jump_rad| goes_back_rad > jump_rad)
     }
 
+    /// Whether a number may be an angle, or a coordinate, of this list.
+    pub(super) fn may_be(&self, first: f64) -> bool {
+        first.abs() <= self.most
+    }
+
     /// Takes a row; gives the turn before it, with its first row and the time that it took, if this one begins another.
     pub(super) fn take(&mut self, value: impl Fn(usize) -> f64, times_ns: [Option<u64>; 2]) -> Option<(Seen, Row)> {
         let mut row = Row { times_ns, ..Self::row(&self.columns, value) };
@@ -276,14 +293,14 @@ impl List {
 
     /// How the rows are taken, in words.
     pub(super) fn described(&self) -> String {
-        let name = |units: &[(f64, &'static str)], unit: f64| {
-            units.iter().find(|(of, _)| (unit / of - 1.0).abs() < 1e-9).map_or("units", |(_, name)| *name)
+        let name = |units: &[(&'static str, f64)], unit: f64| {
+            units.iter().find(|(_, of)| (unit / of - 1.0).abs() < 1e-9).map_or("units", |(name, _)| *name)
         };
-        let metres = name(&[(1e-3, "mm"), (1e-2, "cm"), (1.0, "m")], self.unit_m);
+        let metres = name(&UNITS_M, self.unit_m);
         if self.columns.are_points {
             return format!("in {metres}");
         }
-        let angles = [(1.0, "rad"), (PI / 180.0, "degrees"), (PI / 18000.0, "hundredths of a degree")];
+        let angles = [("rad", 1.0), ("degrees", PI / 180.0), ("hundredths of a degree", PI / 18000.0)];
         let angle = name(&angles, self.unit_rad);
         let way = if self.direction > 0.0 { "rising" } else { "falling" };
         format!("in {angle}, {way}, anticlockwise from ahead, and in {metres}; {} beams a turn", self.beams)
