@@ -100,7 +100,7 @@ impl Scan {
 #[pymethods]
 impl Scan {
     #[new]
-    #[pyo3(signature = (ranges, angle_min, angle_increment, *, range_min=Real(0.0), range_max=Real(f64::INFINITY), stamp_ns=Whole(0), seq=None, frame_id=String::new()))]
+    #[pyo3(signature = (ranges, angle_min, angle_increment, *, range_min=Real(0.0), range_max=Real(f64::INFINITY), stamp_ns=Whole(0), seq=None, frame_id=String::new()), text_signature = "(ranges, angle_min, angle_increment, *, range_min=0.0, range_max=..., stamp_ns=..., seq=None, frame_id=...)")]
     #[expect(clippy::too_many_arguments)] // keywords in Python
     fn new(
         ranges: &Bound<'_, PyAny>,

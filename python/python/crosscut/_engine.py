@@ -123,9 +123,9 @@ class Engine:
         """The scans of a recording, with the settings of this engine (sections ``ingest`` and ``csv``). See :func:`read`."""
         paths = [path] if isinstance(path, (str, os.PathLike)) else list(path)
         topics = [] if topic is None else [topic] if isinstance(topic, str) else texts("topic", topic)
-        every = operator.index(every)
-        if not 1 <= every < 1 << 64:
-            raise ValueError(f"every is 1 or more, and less than 2^64, not {every}")
+        every = min(operator.index(every), (1 << 64) - 1)  # which gives the first scan alone, as any more would
+        if every < 1:
+            raise ValueError(f"every is 1 or more, not {every}")
         wanted = {
             "paths": [os.fspath(part) for part in paths],
             "topics": topics,
