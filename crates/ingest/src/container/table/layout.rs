@@ -6,7 +6,7 @@ use std::ops::RangeInclusive;
 
 use crosscut_messages::LaserScan;
 
-use super::list::{Columns, List};
+use super::list::{Columns, List, UNITS_M};
 use crate::Found;
 
 /// Nanoseconds in a second.
@@ -66,9 +66,7 @@ const NAMES: &[(Part, &[&str])] = &[
 /// there may be as many intensities.
 const ECHO: &str = "stamp.sec,stamp.nanosec,frame_id,angle_min,angle_max,angle_increment,time_increment,scan_time,range_min,\
                     range_max,r*";
-/// Units in names: of ranges in metres, of angles in radians, of times in nanoseconds.
-pub(super) const UNITS_M: [(&str, f64); 6] =
-    [("mm", 1e-3), ("cm", 1e-2), ("m", 1.0), ("in", 0.0254), ("inches", 0.0254), ("ft", 0.3048)];
+/// Units in names: of angles in radians, of times in nanoseconds.
 const UNITS_RAD: [(&str, f64); 5] =
     [("deg", PI / 180.0), ("degree", PI / 180.0), ("degrees", PI / 180.0), ("rad", 1.0), ("radians", 1.0)];
 const UNITS_NS: [(&str, f64); 4] = [("ns", 1.0), ("us", 1e3), ("ms", 1e6), ("s", NS_PER_S)];

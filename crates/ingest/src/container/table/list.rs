@@ -7,8 +7,9 @@ use std::f64::consts::{PI, TAU};
 
 use crosscut_messages::{Cloud, LaserScan};
 
-use super::layout::UNITS_M;
-
+/// Units of ranges and places in names, metres.
+pub(super) const UNITS_M: [(&str, f64); 6] =
+    [("mm", 1e-3), ("cm", 1e-2), ("m", 1.0), ("in", 0.0254), ("inches", 0.0254), ("ft", 0.3048)];
 /// Fewer rows do not show what they hold, and are no turn.
 const LEAST_ROWS: usize = 8;
 /// Angles are in radians up to this, in degrees up to that, and else in hundredths of a degree.
