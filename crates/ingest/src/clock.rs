@@ -13,7 +13,7 @@ const DAY_NS: u64 = 24 * 3600 * NS_PER_S;
 const SPANS: u64 = 10;
 /// A clock that shows 0 has just started if other times are within this.
 const START_NS: u64 = 60 * NS_PER_S;
-/// So many stamps that are the same, while the times of recording rise, are those of a clock that stands.
+/// This many stamps that are the same, while the times of recording rise, are those of a clock that stands.
 const STANDING: usize = 8;
 
 /// Time of recording and stamp of a scan; the stamp is 0 if there is none.

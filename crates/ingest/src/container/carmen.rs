@@ -27,7 +27,7 @@ const LIMITS: [(&str, &str); 2] = [("FLASER", "robot_front_laser_max"), ("RLASER
 /// The largest range of a log without a stated limit is what beams report that met nothing, if it comes this often.
 const LEAST_AT_LIMIT: u64 = 10;
 
-/// One of so many ranges is within a limit that is one.
+/// Of a true limit, at least one range in this many is within.
 const LEAST_WITHIN: u64 = 20;
 
 /// Whether a text is a log.

@@ -73,7 +73,7 @@ const UNITS_NS: [(&str, f64); 4] = [("ns", 1.0), ("us", 1e3), ("ms", 1e6), ("s",
 
 /// Rows with fewer cells and no names are points, or pairs of angles and distances.
 const LEAST_BARE_RANGES: usize = 8;
-/// Words stand in one of so many columns, or in the last: behind, they were what a beam says.
+/// Words stand in one of the first columns, this many, or in the last: behind, they were what a beam says.
 const LEAST_TAIL: usize = 3;
 /// This many rows show that a column counts up, as no beam does.
 const LEAST_COUNTING: usize = 5;
@@ -90,13 +90,13 @@ const LARGEST_DEG: f64 = 361.0;
 /// A scan is taken this many ns after the one before at the most: a column by which it takes longer counts another
 /// unit.
 const LONGEST_NS: f64 = 30.0 * NS_PER_S;
-/// The row of a list is taken so many ns after the one before. A lidar takes points faster than one in the second time:
+/// The row of a list is taken at most this many ns after the one before. A lidar takes points faster than one in the second time:
 /// places that are farther apart are a way.
 const LONGEST_ROW_NS: f64 = 0.1 * NS_PER_S;
 const SLOW_NS: f64 = 0.005 * NS_PER_S;
 /// Times that leap by more are not believed where another column tells the time.
 const LEAP_NS: f64 = 24.0 * 3600.0 * NS_PER_S;
-/// Of so many steps, one may lead back or leap.
+/// Of this many steps, one may lead back or leap.
 const STEPS_A_LEAP: usize = 4;
 
 /// A column with a time.

@@ -29,7 +29,7 @@ const ROWS: ChannelId = 1;
 /// This many rows show what the columns hold; less, if they take more than that.
 const SAMPLED_ROWS: usize = 64;
 const SAMPLED_BYTES: usize = 16 << 20;
-/// Of rows that are as short as those of a list, so many bytes do.
+/// Of rows that are as short as those of a list, this many bytes do.
 const LIST_BYTES: usize = 1 << 19;
 const SHORT_BYTES: usize = 160;
 /// The words that stand for no number, in small letters.
@@ -355,7 +355,7 @@ impl Dialect {
 
     /// The cells of a line, without quotes and blanks around them.
     fn cells(self, line: &str) -> StringRecord {
-        // A reader is made anew for each line, which takes as long as reading a thousand cells.
+        // The crate builds a reader for each line, which takes longer than to read a short one.
         if !line.contains('"') {
             return match self.separator {
                 Some(separator) => line.split(char::from(separator)).map(str::trim).collect(),
