@@ -248,10 +248,18 @@ impl ScanMatcher {
         steady: Motion,
         has_odometry: bool,
     ) -> Matched {
-        // Walls off by more than the kernel do not pull: after a slip the minimum lies near the steady motion.
         self.matching.begin(self.line_points.iter().copied());
         let first = self.align(prediction, None);
-        // What ends where this did is no better, unless the prediction pulls at it by more than the other's lead.
+        if has_odometry {
+            self.beside_odometry(prediction, steady, first)
+        } else {
+            self.by_scans(points_m, prediction, first)
+        }
+    }
+
+    fn beside_odometry(&mut self, prediction: &Prediction, steady: Motion, first: Aligned) -> Matched {
+        // Walls off by more than the kernel do not pull: after a slip the minimum lies near the steady motion. What ends where
+        // the first did is no better, unless the prediction pulls at that by more than the other's lead.
         let off = difference(&first.matched.pose, &prediction.pose);
         let pull = off.dot(&(prediction.prior(first.matched.held) * off));
         let found = (!first.matched.lost && pull <= OTHER_LEAD).then_some(first.matched.pose);
@@ -260,7 +268,7 @@ impl ScanMatcher {
             .map(|(motion, near)| (self.prediction(&motion, &Matrix3::zeros()), near));
         let is_far = |(other, near): &&(Prediction, f64)| {
             let off = difference(&other.pose, &prediction.pose);
-            has_odometry && off.amax() > *near && off.xy().norm() < NEIGHBOURS_M
+            off.amax() > *near && off.xy().norm() < NEIGHBOURS_M
         };
         let others = others.iter().filter(is_far).map(|(other, _)| self.align(other, found.as_ref()));
         // Along a smooth tunnel any motion fits, and standing fits best: the beams meet the walls where they did before.
@@ -268,13 +276,6 @@ impl ScanMatcher {
         let sum = |of: &Aligned| of.weighed(prediction, true);
         let best =
             others.filter(is_shown).fold(first, |best, other| if sum(&other) < sum(&best) { other } else { best });
-        match has_odometry {
-            true => self.beside_odometry(prediction, best),
-            false => self.by_scans(points_m, prediction, best),
-        }
-    }
-
-    fn beside_odometry(&mut self, prediction: &Prediction, best: Aligned) -> Matched {
         let off = difference(&best.matched.pose, &prediction.pose);
         let surprise = prediction.surprise(&off);
         self.walls_of_point = best.walls / self.matching.len() as f64;
