@@ -51,8 +51,8 @@ pub struct PoseTracker {
     matcher: ScanMatcher,
     agreement: OdometryAgreement,
     clock: Clock,
-    /// The last odometry, and the pose of its revolution.
-    odometry: Option<(Isometry2<f64>, Isometry2<f64>)>,
+    /// The last revolution that had odometry.
+    aided: Option<Aided>,
     /// The odometry has moved since the first. Before that it predicts nothing: some never moves.
     has_moved: bool,
     /// A gap in time that nothing leads across yet, and how many revolutions there were since.
@@ -63,6 +63,14 @@ pub struct PoseTracker {
     doubt: PoseDoubt,
     /// What was guessed of the way since the walls last held the pose, metres.
     guessed_m: f64,
+}
+
+/// What was known at a revolution that had odometry.
+#[derive(Clone, Copy, Debug)]
+struct Aided {
+    odometry: Isometry2<f64>,
+    pose: Isometry2<f64>,
+    doubt: PoseDoubt,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -101,7 +109,7 @@ impl PoseTracker {
             matcher: ScanMatcher::default(),
             agreement: OdometryAgreement::default(),
             clock: Clock::default(),
-            odometry: None,
+            aided: None,
             has_moved: false,
             open: None,
             pose: Isometry2::identity(),
@@ -121,18 +129,18 @@ impl PoseTracker {
         if odometry.is_none() && revolution.odometry.is_some() {
             notes.add(N090, "pose: the odometry is not finite");
         }
-        let had_odometry = self.odometry.is_some() || odometry.is_some();
-        let step = self.odometry.zip(odometry).map(|((before, _), now)| before.inv_mul(&now));
+        let had_odometry = self.aided.is_some() || odometry.is_some();
+        let step = self.aided.zip(odometry).map(|(before, now)| before.odometry.inv_mul(&now));
         let moves = |step: Isometry2<f64>| step.translation.vector.norm().max(step.rotation.angle().abs()) > MOVED;
         self.has_moved |= step.is_some_and(moves);
-        let motion = self.odometry.zip(step).map(|((_, there), step)| self.motion(there, step));
+        let motion = self.aided.zip(step).map(|(there, step)| self.motion(there.pose, step));
         let mut motion = motion.filter(|_| self.kind != PoseKind::ScanMatch);
         let mut begins = false;
         if let Some(gap) = self.clock.gap(revolution.stamp_ns) {
             self.open = Some((gap, 0));
         }
         if let Some((gap, since)) = self.open.filter(|(gap, _)| gap.is_back() || motion.is_none()) {
-            let may_lead = self.odometry.is_some() && self.kind != PoseKind::ScanMatch && !gap.is_back();
+            let may_lead = self.aided.is_some() && self.kind != PoseKind::ScanMatch && !gap.is_back();
             if may_lead && since < WAITED {
                 self.open = Some((gap, since + 1));
                 notes.add(N096, format!("pose: {gap}, and no odometry yet that leads across"));
@@ -144,7 +152,7 @@ impl PoseTracker {
         }
         self.open = None;
         let by_odometry = self.kind == PoseKind::Odometry || revolution.beams().is_none();
-        let (pose, doubt) = if by_odometry {
+        let (pose, mut doubt) = if by_odometry {
             if !had_odometry {
                 if self.kind != PoseKind::Auto {
                     notes.add(N091, "pose: no odometry yet");
@@ -181,11 +189,20 @@ impl PoseTracker {
             self.doubt = PoseDoubt::of_stretch(self.doubt.stretch + 1);
             self.guessed_m = 0.0;
         } else {
+            // What was guessed since there was odometry last, odometry shows now.
+            if let Some(aided) = self.aided.filter(|_| motion.is_some() && self.has_moved)
+                && self.doubt.measured(&aided.doubt)
+            {
+                self.guessed_m = 0.0;
+                doubt.lasting_m += self.agreement.share(self.odometry_share)
+                    * (self.pose.translation.vector - aided.pose.translation.vector);
+            }
             self.doubt.add(&doubt, Point2::from(pose.translation.vector));
         }
         self.step = self.pose.inv_mul(&pose);
         self.pose = pose;
-        self.odometry = odometry.map(|odometry| (odometry, pose)).or(self.odometry.filter(|_| !begins));
+        let aided = odometry.map(|odometry| Aided { odometry, pose, doubt: self.doubt });
+        self.aided = aided.or(self.aided.filter(|_| !begins));
         Some(Tracked { pose, doubt: self.doubt, lost: begins })
     }
 
@@ -218,8 +235,9 @@ impl PoseTracker {
         let (way_m, share) = (moved_m.norm(), self.agreement.share(self.odometry_share));
         let turned_rad = (self.pose.rotation.angle_to(&matched.pose.rotation).abs() - TREMBLES_RAD).max(0.0);
         let by_walls = MotionDoubt {
-            independent_m2: Matrix2::identity() * WALLS_M2_PER_M * way_m,
-            turn_rad2: WALLS_RAD2_PER_M * way_m + WALLS_RAD2_PER_RAD * turned_rad,
+            independent_m2: Matrix2::identity() * WALLS_M2_PER_M * way_m
+                + matched.contradicted.fixed_view::<2, 2>(0, 0),
+            turn_rad2: WALLS_RAD2_PER_M * way_m + WALLS_RAD2_PER_RAD * turned_rad + matched.contradicted[(2, 2)],
             ..MotionDoubt::default()
         };
         match matched.held {
@@ -228,7 +246,14 @@ impl PoseTracker {
                 MotionDoubt { lasting_m: along.into_inner() * share * along.dot(&moved_m), ..by_walls }
             }
             Held::ButAlong(along) => MotionDoubt { guessed_m: deviation_m(matched, &along), ..by_walls },
-            Held::Nowhere if has_odometry => self.by_odometry(&matched.pose),
+            Held::Nowhere if has_odometry => {
+                let by_odometry = self.by_odometry(&matched.pose);
+                MotionDoubt {
+                    independent_m2: matched.contradicted.fixed_view::<2, 2>(0, 0).into_owned(),
+                    turn_rad2: by_odometry.turn_rad2 + matched.contradicted[(2, 2)],
+                    ..by_odometry
+                }
+            }
             Held::Nowhere => MotionDoubt { guessed_m: deviation_m(matched, &nalgebra::Vector2::x_axis()), ..by_walls },
         }
     }

@@ -50,6 +50,15 @@ impl PoseDoubt {
         self.turn_m2 += motion.turn_rad2 * end.coords * end.coords.transpose();
     }
 
+    /// What was guessed since an earlier time of the same stretch is measured now: returns whether something was.
+    pub fn measured(&mut self, since: &Self) -> bool {
+        let is_guess = self.stretch == since.stretch && self.guessed_m > since.guessed_m;
+        if is_guess {
+            self.guessed_m = since.guessed_m;
+        }
+        is_guess
+    }
+
     /// What was added since an earlier time; `None` if another stretch began in between.
     pub fn since(&self, earlier: &Self) -> Option<Self> {
         (self.stretch == earlier.stretch).then(|| Self {
