@@ -177,6 +177,8 @@ struct UsualShare {
 /// A pose that is expected, and how strongly.
 struct Prediction {
     pose: Isometry2<f64>,
+    /// Of the motion alone, and of the pose.
+    of_motion: Matrix3<f64>,
     covariance: Matrix3<f64>,
     /// Where the walls hold the pose, and where they do not.
     information: [Matrix3<f64>; 2],
@@ -320,6 +322,7 @@ impl ScanMatcher {
         self.is_overruled = !by_walls.matched.lost;
         let matched = walls.evidence.matched as f64 / self.matching.len() as f64;
         let covariance = (walls.evidence.information / ALIKE + tight).try_inverse().unwrap_or(prediction.covariance);
+        let contradicted = contradicted + prediction.of_motion;
         Matched { pose, covariance, contradicted, matched, lost: false, ..prediction.lost() }
     }
 
@@ -350,10 +353,11 @@ impl ScanMatcher {
         let carried = carry * carried * carry.transpose();
         let steady = steadily(&motion.step).diagonal().inf(&Vector3::repeat(KERNEL_M * KERNEL_M));
         let loose = turned(&loosest(&motion.covariance, &Matrix3::from_diagonal(&steady)), yaw_rad) + carried;
-        let covariance = turned(&motion.covariance, yaw_rad) + carried;
+        let of_motion = turned(&motion.covariance, yaw_rad);
+        let covariance = of_motion + carried;
         // The deviations of a motion are above 0.
         let information = [loose, covariance].map(|of| of.try_inverse().unwrap_or_else(Matrix3::identity));
-        Prediction { pose: self.pose * motion.step, covariance, information }
+        Prediction { pose: self.pose * motion.step, of_motion, covariance, information }
     }
 
     /// The minimum of the sum near a prediction; infinite if the pose is lost, or leads to one that was `found`.

@@ -222,7 +222,7 @@ impl Prediction {
     fn by_information(pose: Isometry2<f64>, information: Vector3<f64>) -> Self {
         let information = Matrix3::from_diagonal(&information);
         let covariance = Matrix3::from_diagonal(&information.diagonal().map(|of| 1.0 / of));
-        Self { pose, covariance, information: [information; 2] }
+        Self { pose, of_motion: covariance, covariance, information: [information; 2] }
     }
 }
 
