@@ -235,9 +235,8 @@ impl PoseTracker {
         let (way_m, share) = (moved_m.norm(), self.agreement.share(self.odometry_share));
         let turned_rad = (self.pose.rotation.angle_to(&matched.pose.rotation).abs() - TREMBLES_RAD).max(0.0);
         let by_walls = MotionDoubt {
-            independent_m2: Matrix2::identity() * WALLS_M2_PER_M * way_m
-                + matched.contradicted.fixed_view::<2, 2>(0, 0),
-            turn_rad2: WALLS_RAD2_PER_M * way_m + WALLS_RAD2_PER_RAD * turned_rad + matched.contradicted[(2, 2)],
+            independent_m2: Matrix2::identity() * WALLS_M2_PER_M * way_m,
+            turn_rad2: WALLS_RAD2_PER_M * way_m + WALLS_RAD2_PER_RAD * turned_rad,
             ..MotionDoubt::default()
         };
         match matched.held {
@@ -249,8 +248,8 @@ impl PoseTracker {
             Held::Nowhere if has_odometry => {
                 let by_odometry = self.by_odometry(&matched.pose);
                 MotionDoubt {
-                    independent_m2: matched.contradicted.fixed_view::<2, 2>(0, 0).into_owned(),
-                    turn_rad2: by_odometry.turn_rad2 + matched.contradicted[(2, 2)],
+                    independent_m2: matched.by_odometry.fixed_view::<2, 2>(0, 0).into_owned(),
+                    turn_rad2: by_odometry.turn_rad2 + matched.by_odometry[(2, 2)],
                     ..by_odometry
                 }
             }

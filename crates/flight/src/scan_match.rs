@@ -120,8 +120,8 @@ pub struct Matched {
     /// How far the motion lies from the predicted one, in standard deviations of the two together, where the walls hold it.
     /// Far above 3 after a wheel slipped, or when scans are missing.
     pub surprise: f64,
-    /// Walls and odometry contradict each other: the covariance of which of the two is right, in the map's axes; else zero.
-    pub contradicted: Matrix3<f64>,
+    /// Covariance of the motion where odometry has it against the walls, in the map's axes; else zero.
+    pub by_odometry: Matrix3<f64>,
     /// Too few were matched: the pose is the predicted one, and the map begins here.
     pub lost: bool,
     /// Where the walls hold the position.
@@ -311,19 +311,13 @@ impl ScanMatcher {
         let by_odometry = self.walls(&walls.evidence) / ALIKE + off.dot(&(tight * off));
         // Among walls that were not seen before, a false match lies as well on some as the true pose does.
         let is_usual = by_walls.matched.matched > self.usual.matched - LESS_THAN_USUAL;
-        let lead = by_odometry - by_walls.weighed(prediction, true);
-        // Of a mixture of two: p (1 - p) d dᵀ, with the odds of each by its sum.
-        let odds = (-0.5 * lead.abs()).exp();
-        let apart = difference(&by_walls.matched.pose, &pose);
-        let contradicted = apart * apart.transpose() * (odds / ((1.0 + odds) * (1.0 + odds)));
-        if is_usual && lead > 0.0 {
-            return Matched { contradicted, ..by_walls.matched };
+        if is_usual && by_walls.weighed(prediction, true) < by_odometry {
+            return by_walls.matched;
         }
         self.is_overruled = !by_walls.matched.lost;
         let matched = walls.evidence.matched as f64 / self.matching.len() as f64;
         let covariance = (walls.evidence.information / ALIKE + tight).try_inverse().unwrap_or(prediction.covariance);
-        let contradicted = contradicted + prediction.of_motion;
-        Matched { pose, covariance, contradicted, matched, lost: false, ..prediction.lost() }
+        Matched { pose, covariance, by_odometry: prediction.of_motion, matched, lost: false, ..prediction.lost() }
     }
 
     /// The walls' part of the sum, with the line points that have none beside them.
@@ -477,7 +471,7 @@ impl Prediction {
             covariance: self.covariance,
             matched: 0.0,
             surprise: 0.0,
-            contradicted: Matrix3::zeros(),
+            by_odometry: Matrix3::zeros(),
             lost: true,
             held: Held::Nowhere,
             guess_known_m: None,
