@@ -23,6 +23,9 @@ const ANCHORS_LOOKS: f64 = 0.75;
 /// moves everything after it.
 const DEVIATIONS: f64 = 3.0;
 
+/// Walls show where an anchor is to within this, standard deviation.
+const FIT_M: f64 = 0.3;
+
 /// Headings are known to within this, and within [`DEVIATIONS`] of the pose more.
 const HEADING_RAD: f64 = 0.15;
 
@@ -82,7 +85,9 @@ impl Guesses {
             }
             for yaw_rad in turns().filter(is_likely).chain([predicted_rad]) {
                 let fit = log.visits[place.first].walls.fit(&visit.walls, &Isometry2::new(about_m, yaw_rad));
+                let off_m = |fit: &Fit| (fit.pose.translation.vector - apart.translation.vector).norm();
                 let fit = fit.filter(|fit| is_likely(&fit.pose.rotation.angle()));
+                let fit = fit.filter(|fit| off_m(fit) <= DEVIATIONS * (sd_m + FIT_M));
                 candidates.extend(fit.map(|fit| Candidate { node, fit }));
             }
         }
