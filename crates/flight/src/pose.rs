@@ -120,7 +120,8 @@ impl PoseTracker {
     }
 
     /// The pose of the next revolution, with what was odd in `notes`: a slip or a jump, a lost map, missing odometry, a gap,
-    /// odometry and scans that contradict each other. `None` without a source for it; scans of clouds are not matched.
+    /// odometry and scans that contradict each other. `None` without a source for it, as before the first walls; scans of
+    /// clouds are not matched.
     pub fn add(&mut self, revolution: &Revolution, notes: &mut Notes) -> Option<Tracked> {
         if self.kind == PoseKind::None {
             return None;
@@ -203,7 +204,8 @@ impl PoseTracker {
         self.pose = pose;
         let aided = odometry.map(|odometry| Aided { odometry, pose, doubt: self.doubt });
         self.aided = aided.or(self.aided.filter(|_| !begins));
-        Some(Tracked { pose, doubt: self.doubt, lost: begins })
+        let is_known = by_odometry || motion.is_some() || begins || self.matcher.has_walls();
+        is_known.then_some(Tracked { pose, doubt: self.doubt, lost: begins })
     }
 
     /// The motion since the revolution before, by a step of the odometry from the pose `there`.

@@ -326,6 +326,11 @@ impl ScanMatcher {
         evidence.cost + unmatched * (KERNEL_M / DEVIATION_M).powi(2)
     }
 
+    /// Whether any walls are remembered.
+    pub fn has_walls(&self) -> bool {
+        !self.map.is_empty()
+    }
+
     /// Forgets the walls: the revolution that follows does not go with those before.
     pub fn forget(&mut self) {
         self.map.clear();
