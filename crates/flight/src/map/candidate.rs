@@ -1,5 +1,7 @@
 //! A place that a visit may be to.
 
+use nalgebra::Isometry2;
+
 use crosscut_stage::wrap_angle_rad;
 
 use super::outline::Fit;
@@ -16,38 +18,49 @@ const SAME_M: f64 = 1.5;
 /// Two fits on one node whose headings differ by less are the same.
 const SAME_RAD: f64 = 0.4;
 
-/// Outlines of one place lie on each other by at least this share of their line points.
-pub(super) const LEAST_SHARE: f64 = 0.72;
+/// Log odds that two visits are to one place: so much more for each share that their outlines lie on each other more, from
+/// this share on.
+const OF_SHARE: f64 = 20.0;
+const EVEN_SHARE: f64 = 0.72;
 
-/// The outline of a visit lies on that of its place by this much more of its line points than on any other place.
-const LEAST_LEAD: f64 = 0.08;
+/// Walls show where an anchor is to within this, standard deviation.
+const FIT_M: f64 = 0.3;
+
+/// A visit is to a place from these log odds on, if each other place has so much less.
+const LEAST_ODDS: f64 = -1.5;
+const LEAST_LEAD: f64 = 1.6;
 
 /// A place that a visit may be to.
 pub(super) struct Candidate {
     pub(super) node: usize,
     pub(super) fit: Fit,
+    pub(super) odds: f64,
 }
 
 /// A place, and the share of the runner-up.
 pub(super) type Best = (Candidate, Option<f64>);
 
-/// The best of these places, unless another one is preferred; and whether its lead is clear.
-pub(super) fn best(
-    mut candidates: Vec<Candidate>,
-    is_preferred: impl Fn(&Candidate, f64) -> bool,
-) -> Option<(Best, bool)> {
-    candidates.sort_by(|a, b| b.fit.share.total_cmp(&a.fit.share));
-    let most = candidates.first()?.fit.share;
-    let preferred = candidates.iter().position(|candidate| is_preferred(candidate, most));
-    let best = candidates.remove(preferred.unwrap_or(0));
-    let share = best.fit.share;
-    let runner_up = candidates.iter().find(|other| other.is_elsewhere(&best)).map(|other| other.fit.share);
-    let has_clear_lead = runner_up.is_none_or(|other| share - other >= LEAST_LEAD);
-    let is_clear = preferred.is_some() || share >= LEAST_SHARE && has_clear_lead;
+/// The best of these places, and whether its lead is clear.
+pub(super) fn best(mut candidates: Vec<Candidate>) -> Option<(Best, bool)> {
+    candidates.sort_by(|a, b| b.odds.total_cmp(&a.odds));
+    let best = (!candidates.is_empty()).then(|| candidates.remove(0))?;
+    let runner_up = candidates.iter().find(|other| other.is_elsewhere(&best));
+    let has_clear_lead = runner_up.is_none_or(|other| best.odds - other.odds >= LEAST_LEAD);
+    let runner_up = runner_up.map(|other| other.fit.share);
+    let is_clear = best.odds >= LEAST_ODDS && has_clear_lead;
     Some(((best, runner_up), is_clear))
 }
 
 impl Candidate {
+    /// A place by a fit, where poses have the visit at `apart` with a standard deviation of `sd_m`: of the share s, and of how
+    /// far d the two lie apart, by the density of a place there, c s - d² / 2 σ² - ln σ².
+    pub(super) fn new(node: usize, fit: Fit, apart: &Isometry2<f64>, sd_m: f64) -> Self {
+        let variance_m2 = sd_m * sd_m + FIT_M * FIT_M;
+        let off_m2 = (fit.pose.translation.vector - apart.translation.vector).norm_squared();
+        let odds = OF_SHARE * (fit.share - EVEN_SHARE) - 0.5 * off_m2 / variance_m2 - variance_m2.ln();
+        Self { node, fit, odds }
+    }
+
     /// It is another place than `other`, or the same one turned.
     fn is_elsewhere(&self, other: &Self) -> bool {
         let apart = self.fit.pose.inv_mul(&other.fit.pose);

@@ -7,10 +7,10 @@ use nalgebra::Isometry2;
 use crosscut_stage::wrap_angle_rad;
 
 use super::Decided;
-use super::candidate::{ANCHORS_M, Best, Candidate, LEAST_SHARE, WAYS_APART_RAD, best, turns_rad};
+use super::candidate::{ANCHORS_M, Best, Candidate, WAYS_APART_RAD, best, turns_rad};
 use super::derived::Derived;
 use super::legs::flown_to;
-use super::log::{Known, Link, Log, flown_sd_m};
+use super::log::{Known, Link, Log};
 use super::outline::{APART_M, Fit};
 use super::stretch::Guesses;
 use crate::HereKind;
@@ -23,25 +23,8 @@ const ANCHORS_LOOKS: f64 = 0.75;
 /// moves everything after it.
 const DEVIATIONS: f64 = 3.0;
 
-/// Walls show where an anchor is to within this, standard deviation.
-const FIT_M: f64 = 0.3;
-
 /// Headings are known to within this, and within [`DEVIATIONS`] of the pose more.
 const HEADING_RAD: f64 = 0.15;
-
-/// This share is enough for the place at the end of a known passage whose length the vehicle has flown.
-const EXPECTED_SHARE: f64 = 0.55;
-
-/// The share of the place at the end of a known passage is at most this much less than that of any other place.
-const EXPECTED_BEHIND: f64 = 0.08;
-
-/// The way flown along a known passage differs from its length by less than this, and [`LENGTH_OFF_SHARE`] of the
-/// length more.
-const LENGTH_OFF_M: f64 = 2.0;
-
-/// The way flown along a known passage differs from its length by less than this share of it, and [`LENGTH_OFF_M`]
-/// more.
-const LENGTH_OFF_SHARE: f64 = 0.15;
 
 /// Below this share an outline is no reason to think of a place.
 const WORTH_NOTING: f64 = 0.55;
@@ -85,17 +68,15 @@ impl Guesses {
             }
             for yaw_rad in turns().filter(is_likely).chain([predicted_rad]) {
                 let fit = log.visits[place.first].walls.fit(&visit.walls, &Isometry2::new(about_m, yaw_rad));
-                let off_m = |fit: &Fit| (fit.pose.translation.vector - apart.translation.vector).norm();
                 let fit = fit.filter(|fit| is_likely(&fit.pose.rotation.angle()));
-                let fit = fit.filter(|fit| off_m(fit) <= DEVIATIONS * (sd_m + FIT_M));
-                candidates.extend(fit.map(|fit| Candidate { node, fit }));
+                candidates.extend(fit.map(|fit| Candidate::new(node, fit, &apart, sd_m)));
             }
         }
         let mut found = decide(log, map, candidates);
         if found.is_none() && !is_known_from_all {
             found = self.place_stretch(log, map, &flown, but).map(|candidate| (candidate, None));
         }
-        let (Candidate { node, fit }, runner_up) = found?;
+        let (Candidate { node, fit, .. }, runner_up) = found?;
         let (visits, score) = ([map.places[node].first, number], fit.share);
         log.fit(visits, &fit);
         let off_m = (predicted.translation.vector - log.graph.poses[number].translation.vector).norm();
@@ -109,19 +90,15 @@ impl Guesses {
 
 /// The place that the latest visit is to, of these. Refuses one that the visit merely looks like.
 fn decide(log: &mut Log, map: &Derived, candidates: Vec<Candidate>) -> Option<Best> {
-    let expected = expected(log, map);
-    let is_expected = |Candidate { node, fit }: &Candidate, most: f64| {
-        Some(*node) == expected && fit.share >= EXPECTED_SHARE && most - fit.share <= EXPECTED_BEHIND
-    };
-    let (found, is_clear) = best(candidates, is_expected)?;
-    let (Candidate { node, fit: Fit { share: score, .. } }, runner_up) = found;
+    let (found, is_clear) = best(candidates)?;
+    let (Candidate { node, fit: Fit { share: score, .. }, .. }, runner_up) = found;
     if is_clear {
         return Some(found);
     }
     if score >= WORTH_NOTING {
         let but = match runner_up {
-            Some(second) if score >= LEAST_SHARE => format!("and on the next likely place by {second:.2}"),
-            _ => format!("too little of {LEAST_SHARE}"),
+            Some(second) => format!("and on the next likely place by {second:.2}"),
+            None => "too little for where the poses have it".to_owned(),
         };
         let why = format!("a new node: its walls lie on those of node {node} by {score:.2}, {but}");
         let visit = log.visits.len() - 1;
@@ -129,16 +106,6 @@ fn decide(log: &mut Log, map: &Derived, candidates: Vec<Candidate>) -> Option<Be
         log.refusals.push(Link { visits: [map.places[node].first, visit], decided });
     }
     None
-}
-
-/// The node that a known passage leads to, if the vehicle came to the latest visit by one and has flown its length.
-fn expected(log: &Log, map: &Derived) -> Option<usize> {
-    let (from, passage) = map.left_through()?;
-    let [.., last, visit] = &log.visits[..] else { return None };
-    flown_sd_m(last, visit)?;
-    let off_m = (visit.reached_at_m - last.left_at_m - passage.length_m).abs();
-    let is_at_its_end = off_m < LENGTH_OFF_M + LENGTH_OFF_SHARE * passage.length_m;
-    is_at_its_end.then_some(if passage.from == from { passage.to } else { passage.from })
 }
 
 #[cfg(test)]
@@ -195,7 +162,7 @@ mod tests {
             log.visit(visit(side, 300.0), true);
             let [walls, again] = [0, 1].map(|visit| &log.visits[visit].walls);
             let alike = walls.fit(again, &Isometry2::identity()).expect("both have walls").share;
-            assert!(alike > LEAST_SHARE, "the walls beside them are alike: {alike}");
+            assert!(alike > 0.9, "the walls beside them are alike: {alike}");
             let found = Guesses::default().recognise(&mut log, &map, None);
             assert_eq!(found.is_some(), is_same, "open towards {side} x");
         }

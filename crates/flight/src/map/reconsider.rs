@@ -14,7 +14,7 @@ pub(super) fn reconsider(log: &mut Log) {
     let newest = log.visits.len() - 1;
     loop {
         let map = Derived::of(log);
-        let Some((from, (Candidate { node, fit }, runner_up))) = one_of_two(log, &map) else { return };
+        let Some((from, (Candidate { node, fit, .. }, runner_up))) = one_of_two(log, &map) else { return };
         let score = fit.share;
         let visits = [node, from].map(|node| map.places[node].first);
         let before = map.places[from].visits.iter().rfind(|visit| **visit != newest);
@@ -29,18 +29,17 @@ pub(super) fn reconsider(log: &mut Log) {
 fn one_of_two(log: &Log, map: &Derived) -> Option<(usize, Best)> {
     (1..map.places.len()).rev().find_map(|from| {
         let of = map.places[from].first;
-        let mut near = (0..from).filter(|&into| may_be_one(map, from, into)).collect::<Vec<_>>();
-        if !near.is_empty() {
-            // Where no way that is known leads, places lie near to each other by nothing but a guess.
-            let flown = flown_to(log, of);
-            near.retain(|&into| flown[map.places[into].first].sd_m.is_some());
-        }
+        let near = (0..from).filter(|&into| may_be_one(map, from, into)).collect::<Vec<_>>();
+        let flown = if near.is_empty() { Vec::new() } else { flown_to(log, of) };
         let fits = near.into_iter().filter_map(|node| {
             let first = map.places[node].first;
+            // Where no way that is known leads, places lie near to each other by nothing but a guess.
+            let sd_m = flown[first].sd_m?;
             let apart = log.graph.poses[first].inv_mul(&log.graph.poses[of]);
-            log.visits[first].walls.fit(&log.visits[of].walls, &apart).map(|fit| Candidate { node, fit })
+            let fit = log.visits[first].walls.fit(&log.visits[of].walls, &apart)?;
+            Some(Candidate::new(node, fit, &apart, sd_m))
         });
-        best(fits.collect(), |_, _| false).filter(|(_, is_clear)| *is_clear).map(|(found, _)| (from, found))
+        best(fits.collect()).filter(|(_, is_clear)| *is_clear).map(|(found, _)| (from, found))
     })
 }
 

@@ -85,7 +85,7 @@ fn resembling(log: &Log, map: &Derived, visit: usize, places: &[(usize, u32)]) -
         let fits = turns_rad.into_iter().filter_map(move |rad| walls.fit(&visit.walls, &Isometry2::rotation(rad)));
         fits.filter(|fit| fit.share >= GUESSED_SHARE).map(move |fit| {
             let stretch = log.graph.poses[of] * fit.pose * visit.anchor.inverse();
-            (Candidate { node, fit }, Guess { of, group, stretch })
+            (Candidate { node, fit, odds: 0.0 }, Guess { of, group, stretch })
         })
     });
     resembling.collect()
