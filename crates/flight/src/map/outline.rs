@@ -73,8 +73,13 @@ impl Walls {
         Self { map, points, squares, reach_m, sight_m }
     }
 
-    /// The best fit of `other` on these walls, about there: within [`APART_M`] along each axis.
+    /// The best fit of `other` on these walls, about there.
     pub(crate) fn fit(&self, other: &Self, about: &Isometry2<f64>) -> Option<Fit> {
+        self.fits(other, *about).max_by(|a, b| a.share.total_cmp(&b.share))
+    }
+
+    /// Fits of `other` on these walls: from there, and from the most promising starts within [`APART_M`] along each axis.
+    pub(super) fn fits(&self, other: &Self, about: Isometry2<f64>) -> impl Iterator<Item = Fit> {
         let steps = (APART_M / START_STEP_M) as i32;
         let offsets = (-steps..=steps).flat_map(|x| (-steps..=steps).map(move |y| (x, y)));
         let starts = offsets.map(|(x, y)| {
@@ -83,14 +88,14 @@ impl Walls {
         });
         let mut starts: Vec<_> = starts.map(|start| (self.squares.hits(&other.points, &start), start)).collect();
         starts.sort_by_key(|(hits, _)| std::cmp::Reverse(*hits));
-        let fits = starts.iter().take(STARTS).map(|(_, start)| {
-            let pose = self.align(other, *start);
+        let starts = starts.into_iter().take(STARTS).map(|(_, start)| start).chain([about]);
+        let about_m = about.translation.vector;
+        let fits = starts.map(move |start| {
+            let pose = self.align(other, start);
             let shares = [self.share_on(other, &pose), other.share_on(self, &pose.inverse())];
             Fit { pose, share: shares[0].min(shares[1]) }
         });
-        let off_m = |fit: &Fit| fit.pose.translation.vector - about.translation.vector;
-        let is_near = |fit: &Fit| off_m(fit).amax() <= APART_M + START_STEP_M;
-        fits.filter(is_near).max_by(|a, b| a.share.total_cmp(&b.share))
+        fits.filter(move |fit| (fit.pose.translation.vector - about_m).amax() <= APART_M + START_STEP_M)
     }
 
     /// Share of the line points of `other` at `pose` that lie on these walls, of those that are near enough to. Where these

@@ -67,9 +67,10 @@ impl Guesses {
                 continue;
             }
             for yaw_rad in turns().filter(is_likely).chain([predicted_rad]) {
-                let fit = log.visits[place.first].walls.fit(&visit.walls, &Isometry2::new(about_m, yaw_rad));
-                let fit = fit.filter(|fit| is_likely(&fit.pose.rotation.angle()));
-                candidates.extend(fit.map(|fit| Candidate::new(node, fit, &apart, sd_m)));
+                let about = Isometry2::new(about_m, yaw_rad);
+                let fits = log.visits[place.first].walls.fits(&visit.walls, about);
+                let fits = fits.filter(|fit| is_likely(&fit.pose.rotation.angle()));
+                candidates.extend(fits.map(|fit| Candidate::new(node, fit, &apart, sd_m)));
             }
         }
         let mut found = decide(log, map, candidates);

@@ -31,13 +31,13 @@ fn one_of_two(log: &Log, map: &Derived) -> Option<(usize, Best)> {
         let of = map.places[from].first;
         let near = (0..from).filter(|&into| may_be_one(map, from, into)).collect::<Vec<_>>();
         let flown = if near.is_empty() { Vec::new() } else { flown_to(log, of) };
-        let fits = near.into_iter().filter_map(|node| {
+        // Where no way that is known leads, places lie near to each other by nothing but a guess.
+        let known = near.into_iter().filter_map(|node| Some((node, flown[map.places[node].first].sd_m?)));
+        let fits = known.flat_map(|(node, sd_m)| {
             let first = map.places[node].first;
-            // Where no way that is known leads, places lie near to each other by nothing but a guess.
-            let sd_m = flown[first].sd_m?;
             let apart = log.graph.poses[first].inv_mul(&log.graph.poses[of]);
-            let fit = log.visits[first].walls.fit(&log.visits[of].walls, &apart)?;
-            Some(Candidate::new(node, fit, &apart, sd_m))
+            let fits = log.visits[first].walls.fits(&log.visits[of].walls, apart);
+            fits.map(move |fit| Candidate::new(node, fit, &apart, sd_m))
         });
         best(fits.collect()).filter(|(_, is_clear)| *is_clear).map(|(found, _)| (from, found))
     })
