@@ -23,6 +23,12 @@ const SAME_RAD: f64 = 0.4;
 const OF_SHARE: f64 = 20.0;
 const EVEN_SHARE: f64 = 0.72;
 
+/// Where a known passage ends, whose length the vehicle has flown, its place is expected: so much more.
+const OF_EXPECTED: f64 = 3.4;
+
+/// Where poses are known worse than to this standard deviation, others than the known places are as rare.
+const MOST_SD_M: f64 = 1.5;
+
 /// Walls show where an anchor is to within this, standard deviation.
 const FIT_M: f64 = 0.3;
 
@@ -54,10 +60,13 @@ pub(super) fn best(mut candidates: Vec<Candidate>) -> Option<(Best, bool)> {
 impl Candidate {
     /// A place by a fit, where poses have the visit at `apart` with a standard deviation of `sd_m`: of the share s, and of how
     /// far d the two lie apart, by the density of a place there, c s - d² / 2 σ² - ln σ².
-    pub(super) fn new(node: usize, fit: Fit, apart: &Isometry2<f64>, sd_m: f64) -> Self {
+    pub(super) fn new(node: usize, fit: Fit, apart: &Isometry2<f64>, sd_m: f64, is_expected: bool) -> Self {
         let variance_m2 = sd_m * sd_m + FIT_M * FIT_M;
         let off_m2 = (fit.pose.translation.vector - apart.translation.vector).norm_squared();
-        let odds = OF_SHARE * (fit.share - EVEN_SHARE) - 0.5 * off_m2 / variance_m2 - variance_m2.ln();
+        let odds = OF_SHARE * (fit.share - EVEN_SHARE)
+            - 0.5 * off_m2 / variance_m2
+            - variance_m2.min(MOST_SD_M * MOST_SD_M).ln()
+            + if is_expected { OF_EXPECTED } else { 0.0 };
         Self { node, fit, odds }
     }
 

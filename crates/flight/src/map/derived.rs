@@ -28,6 +28,8 @@ pub(super) struct Derived {
     pub(super) node_of: Vec<usize>,
     /// Of each node.
     pub(super) places: Vec<Place>,
+    /// The node of the latest visit and the way by which the vehicle left.
+    pub(super) left_by: Option<(usize, usize)>,
 }
 
 /// What recognises a node.
@@ -183,12 +185,20 @@ impl Derived {
         }
         let of_link = |link: &Link| Decided { node: node_of[link.visits[0]], ..link.decided.clone() };
         let [merges, refusals] = [&log.links, &log.refusals].map(|links| links.iter().map(of_link).collect());
-        Self { map: Map { nodes, passages, merges, refusals }, places, node_of }
+        // No leg leads on from a visit before a cut.
+        let left_by = left_by.filter(|_| !log.is_cut);
+        Self { map: Map { nodes, passages, merges, refusals }, places, left_by, node_of }
     }
 
     /// Whether a node was seen on one stay alone.
     pub(super) fn is_new(&self, node: usize) -> bool {
         self.map.merges.iter().all(|merge| merge.node != node)
+    }
+
+    /// The node and the passage by which the vehicle left the latest visit, if that passage is known.
+    pub(super) fn left_through(&self) -> Option<(usize, &Passage)> {
+        let (node, way) = self.left_by?;
+        Some((node, &self.map.passages[self.map.nodes[node].ways[way].passage?]))
     }
 }
 

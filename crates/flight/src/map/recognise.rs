@@ -10,7 +10,7 @@ use super::Decided;
 use super::candidate::{ANCHORS_M, Best, Candidate, WAYS_APART_RAD, best, turns_rad};
 use super::derived::Derived;
 use super::legs::flown_to;
-use super::log::{Known, Link, Log};
+use super::log::{Known, Link, Log, flown_sd_m};
 use super::outline::{APART_M, Fit};
 use super::stretch::Guesses;
 use crate::HereKind;
@@ -26,6 +26,14 @@ const DEVIATIONS: f64 = 3.0;
 /// Headings are known to within this, and within [`DEVIATIONS`] of the pose more.
 const HEADING_RAD: f64 = 0.15;
 
+/// The way flown along a known passage differs from its length by less than this, and [`LENGTH_OFF_SHARE`] of the
+/// length more.
+const LENGTH_OFF_M: f64 = 2.0;
+
+/// The way flown along a known passage differs from its length by less than this share of it, and [`LENGTH_OFF_M`]
+/// more.
+const LENGTH_OFF_SHARE: f64 = 0.15;
+
 /// Below this share an outline is no reason to think of a place.
 const WORTH_NOTING: f64 = 0.55;
 
@@ -35,7 +43,7 @@ impl Guesses {
     pub(super) fn recognise(&mut self, log: &mut Log, map: &Derived, but: Option<usize>) -> Option<usize> {
         let number = log.visits.len() - 1;
         let (visit, predicted) = (&log.visits[number], log.graph.poses[number]);
-        let mut candidates: Vec<Candidate> = Vec::new();
+        let (mut candidates, expected): (Vec<Candidate>, _) = (Vec::new(), expected(log, map));
         let bearings_rad = visit.bearings_rad();
         let flown = flown_to(log, number);
         let mut is_known_from_all = true;
@@ -70,7 +78,7 @@ impl Guesses {
                 let about = Isometry2::new(about_m, yaw_rad);
                 let fits = log.visits[place.first].walls.fits(&visit.walls, about);
                 let fits = fits.filter(|fit| is_likely(&fit.pose.rotation.angle()));
-                candidates.extend(fits.map(|fit| Candidate::new(node, fit, &apart, sd_m)));
+                candidates.extend(fits.map(|fit| Candidate::new(node, fit, &apart, sd_m, Some(node) == expected)));
             }
         }
         let mut found = decide(log, map, candidates);
@@ -107,6 +115,16 @@ fn decide(log: &mut Log, map: &Derived, candidates: Vec<Candidate>) -> Option<Be
         log.refusals.push(Link { visits: [map.places[node].first, visit], decided });
     }
     None
+}
+
+/// The node that a known passage leads to, if the vehicle came to the latest visit by one and has flown its length.
+fn expected(log: &Log, map: &Derived) -> Option<usize> {
+    let (from, passage) = map.left_through()?;
+    let [.., last, visit] = &log.visits[..] else { return None };
+    flown_sd_m(last, visit)?;
+    let off_m = (visit.reached_at_m - last.left_at_m - passage.length_m).abs();
+    let is_at_its_end = off_m < LENGTH_OFF_M + LENGTH_OFF_SHARE * passage.length_m;
+    is_at_its_end.then_some(if passage.from == from { passage.to } else { passage.from })
 }
 
 #[cfg(test)]

@@ -37,7 +37,7 @@ fn one_of_two(log: &Log, map: &Derived) -> Option<(usize, Best)> {
             let first = map.places[node].first;
             let apart = log.graph.poses[first].inv_mul(&log.graph.poses[of]);
             let fits = log.visits[first].walls.fits(&log.visits[of].walls, apart);
-            fits.map(move |fit| Candidate::new(node, fit, &apart, sd_m))
+            fits.map(move |fit| Candidate::new(node, fit, &apart, sd_m, false))
         });
         best(fits.collect()).filter(|(_, is_clear)| *is_clear).map(|(found, _)| (from, found))
     })
