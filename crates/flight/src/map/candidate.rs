@@ -96,3 +96,41 @@ fn turn_rad(bearings_rad: &[f64], ways_rad: &[f64], shift: usize) -> Option<f64>
     let agree = (0..ways).all(|i| wrap_angle_rad(off_rad(i) - mean_rad).abs() <= WAYS_APART_RAD);
     agree.then(|| wrap_angle_rad(mean_rad))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whether a visit is taken to be to a place whose fit has this share and lies so far from where poses have it, which are
+    /// known to within `sd_m`.
+    fn is_taken(share: f64, off_m: f64, sd_m: f64) -> bool {
+        let fit = Fit { pose: Isometry2::translation(off_m, 0.0), share };
+        best(vec![Candidate::new(0, fit, &Isometry2::identity(), sd_m, false)]).is_some_and(|(_, is_clear)| is_clear)
+    }
+
+    #[test]
+    fn a_twin_farther_off_than_poses_allow_is_another_place() {
+        for sd_m in [0.1, 0.5, 2.0] {
+            assert!(is_taken(1.0, sd_m, sd_m));
+            assert!(!is_taken(1.0, 11.0, sd_m), "the next drift, 11 m on, at {sd_m}");
+        }
+    }
+
+    #[test]
+    fn where_poses_are_well_known_less_of_the_walls_suffices() {
+        assert!(is_taken(0.6, 0.0, 0.1) && !is_taken(0.6, 0.0, 2.0));
+        assert!(is_taken(0.75, 0.0, 2.0) && is_taken(0.75, 0.0, 20.0), "where nothing else is known to be near");
+        assert!(!is_taken(0.4, 0.0, 0.1), "other walls");
+    }
+
+    #[test]
+    fn two_places_that_fit_alike_are_told_by_the_poses_or_not_at_all() {
+        let at = |node: usize, x_m: f64, sd_m: f64| {
+            let fit = Fit { pose: Isometry2::translation(x_m, 0.0), share: 0.9 };
+            Candidate::new(node, fit, &Isometry2::identity(), sd_m, false)
+        };
+        let found =
+            |sd_m: f64| best(vec![at(0, 0.2, sd_m), at(1, 4.0, sd_m)]).map(|((of, _), is_clear)| (of.node, is_clear));
+        assert_eq!((found(0.5), found(5.0)), (Some((0, true)), Some((0, false))));
+    }
+}

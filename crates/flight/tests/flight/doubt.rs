@@ -153,6 +153,18 @@ fn odometry_holds_the_length_of_a_smooth_tunnel() {
 }
 
 #[test]
+fn what_was_guessed_is_known_once_the_odometry_leads_across() {
+    let scan = Cell::new(0);
+    let seen = follow(tunnel(0.0).take(500), |pose| {
+        scan.set(scan.get() + 1);
+        Some(*pose).filter(|_| !(100..400).contains(&scan.get()))
+    });
+    let unknown = (0..500).filter(|at| seen.sd_m(*at).is_none());
+    assert!(unknown.clone().count() > 100 && unknown.max() == Some(398), "the odometry is back at 399");
+    assert!(seen.off_m() < 3.0 * seen.sd_m(499).expect("known"), "{} m off", seen.off_m());
+}
+
+#[test]
 fn a_gap_begins_a_new_stretch_unless_odometry_leads_across() {
     let with_gap =
         || tunnel(0.1).take(400).enumerate().filter(|(at, _)| !(200..260).contains(at)).map(|(_, scene)| scene);
