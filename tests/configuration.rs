@@ -176,6 +176,8 @@ fn settings_that_anybody_may_write_are_not_taken_and_limits_are_not_raised_unask
     assert!(info(&[]).expect_code(2).stderr.contains("width_m"));
     std::fs::write(&found, "[pipeline]\nmemory_mb = 8192\n").expect("ours");
     assert!(info(&[]).expect_code(2).stderr.contains("at most 4096 in a file that is found"));
+    std::fs::write(&found, "a = 1\n".repeat(200_000)).expect("ours");
+    assert!(info(&[]).expect_code(0).stderr.contains("larger than the 1 MiB"));
     std::fs::write(&found, "[pipeline]\nmemory_mb = 1024\n").expect("ours");
     info(&[]).expect_code(0);
 }

@@ -187,3 +187,33 @@ fn what_is_in_view_shows_how_far_a_vehicle_came_without_odometry() {
         assert!((end_m - true_m).abs() < off_m, "{name}: {end_m} m");
     }
 }
+
+#[test]
+fn the_vehicle_in_its_own_scan_is_named() {
+    let Some(path) = case("U08-chassis-holds-pose/chassis.mcap") else { return };
+    let (_, lines) = results_of(&path, &[]);
+    assert!(has_note(&lines, "the vehicle itself is in view, at 0.4"));
+    let (_, lines) = results_of(&path, &["--set", "ingest.min_range_m=0.50"]);
+    assert!(!has_note(&lines, "the vehicle itself") && (end_m(&lines) - 11.85).abs() < 0.3);
+}
+
+#[test]
+fn directions_of_a_driver_are_told_from_bad_odometry() {
+    let Some(path) = case("U09-turned-or-mirrored/turned180.mcap") else { return };
+    for (set, setting) in [
+        ("ingest.yaw_rad=0", "turned by 180 degrees: a direction is wrong, no motion; ingest.yaw_rad = -3.141 turns"),
+        (
+            "ingest.yaw_rad=2.356",
+            "turned by 135 degrees: a direction is wrong, no motion; ingest.yaw_rad = 3.141 turns",
+        ),
+        ("ingest.yaw_rad=3.14159", ""),
+    ] {
+        let (_, lines) = results_of(&path, &["--set", set]);
+        let is_blamed = ["a slip or a jump", "they contradict"].iter().any(|part| has_note(&lines, part));
+        let is_told = has_note(&lines, "a direction is wrong");
+        assert!(!is_blamed && is_told != setting.is_empty() && has_note(&lines, setting), "{set}");
+    }
+    let mirrored = ["--set", "ingest.yaw_rad=3.14159", "--set", "ingest.upside_down=true"];
+    let (_, lines) = results_of(&path, &mirrored);
+    assert!(has_note(&lines, "the scans mirrored: a direction is wrong") && !has_note(&lines, "a slip or a jump"));
+}

@@ -3,19 +3,19 @@
 use crosscut_stage::Point;
 
 /// Bearings are told apart by sectors of the full turn.
-const SECTORS: usize = 360;
+pub(crate) const SECTORS: usize = 360;
 
 /// What is farther from the sensor than this is not the vehicle, metres.
-const FARTHEST_M: f64 = 0.5;
+pub(crate) const FARTHEST_M: f64 = 0.5;
 
 /// A range that changes by less than this stays, metres.
-const STAYS_M: f64 = 0.05;
+pub(crate) const STAYS_M: f64 = 0.05;
 
 /// Scans are compared with one at most this many scans earlier.
 const MOST_SCANS: u32 = 50;
 
 /// What stays is the vehicle if this share of what is farther away does not.
-const MOVES: f64 = 0.5;
+pub(crate) const MOVES: f64 = 0.5;
 
 /// Finds the returns of the vehicle itself.
 #[derive(Clone, Debug, Default)]
@@ -28,9 +28,13 @@ pub(crate) struct Chassis {
     of_vehicle_m: Vec<Option<f64>>,
 }
 
-fn sector(point: &Point) -> usize {
-    let turns = point.y.atan2(point.x) / std::f64::consts::TAU;
+pub(crate) fn sector_of(bearing_rad: f64) -> usize {
+    let turns = bearing_rad / std::f64::consts::TAU;
     (turns.rem_euclid(1.0) * SECTORS as f64) as usize % SECTORS
+}
+
+fn sector(point: &Point) -> usize {
+    sector_of(point.y.atan2(point.x))
 }
 
 fn range_m(point: &Point) -> f64 {
@@ -43,15 +47,15 @@ impl Chassis {
 
     /// Takes the returns of the next scan. Whether some are the vehicle's that were not before.
     pub(crate) fn add(&mut self, points_m: &[Point]) -> bool {
+        // Nothing near in view is the usual case.
+        let is_near = |range_m: &f64| *range_m < FARTHEST_M;
+        if self.first_m.is_empty() && !points_m.iter().any(|point| is_near(&range_m(point))) {
+            return false;
+        }
         let mut ranges_m = vec![f64::INFINITY; SECTORS];
         for point in points_m {
             let nearest_m = &mut ranges_m[sector(point)];
             *nearest_m = nearest_m.min(range_m(point));
-        }
-        // Nothing near in view is the usual case.
-        let is_near = |range_m: &f64| *range_m < FARTHEST_M;
-        if self.first_m.is_empty() && !ranges_m.iter().any(is_near) {
-            return false;
         }
         if self.first_m.is_empty() || self.scans > MOST_SCANS {
             self.begin(ranges_m);

@@ -2,11 +2,13 @@
 
 use nalgebra::{Isometry2, Matrix2, Matrix3, Point2, Vector3};
 
-use crosscut_stage::NoteCode::{self, N090, N091, N092, N093, N094, N095, N096, N097, N098};
+use crosscut_stage::NoteCode::{self, N090, N091, N092, N093, N094, N095, N096, N097, N098, N103};
 use crosscut_stage::{MotionDoubt, Notes, Number, ParamSpec, Params, PoseDoubt, Revolution, Word, is_finite_pose};
 
 use crate::agreement::{Compared, OdometryAgreement, Slip};
+use crate::directions::{Directions, Wrong};
 use crate::gap::{Clock, TimeGap};
+use crate::own_returns::OwnReturns;
 use crate::scan_match::NEIGHBOURS_M;
 use crate::{Held, Matched, Motion, ScanMatcher};
 
@@ -50,6 +52,10 @@ pub struct PoseTracker {
     odometry_share: f64,
     matcher: ScanMatcher,
     agreement: OdometryAgreement,
+    directions: Directions,
+    /// What was found to be wrong with them.
+    wrong: Option<Wrong>,
+    own_returns: OwnReturns,
     clock: Clock,
     /// The last revolution that had odometry.
     aided: Option<Aided>,
@@ -108,6 +114,9 @@ impl PoseTracker {
             odometry_share: params.get(ODOMETRY_SHARE),
             matcher: ScanMatcher::default(),
             agreement: OdometryAgreement::default(),
+            directions: Directions::default(),
+            wrong: None,
+            own_returns: OwnReturns::default(),
             clock: Clock::default(),
             aided: None,
             has_moved: false,
@@ -181,9 +190,11 @@ impl PoseTracker {
             self.guessed_m = if matched.held == Held::Everywhere { 0.0 } else { self.guessed_m + doubt.guessed_m };
             begins |= matched.lost;
             notes.extend(odd(&matched, motion.is_some()));
+            notes.extend(motion.and_then(|motion| self.turned(&motion, &matched, revolution)));
             notes.extend(self.slip(motion.as_ref(), &matched));
             notes.extend(self.unknown_length(&matched, motion.is_some()));
             notes.extend(motion.and_then(|motion| self.compare(&motion, &matched)));
+            notes.extend(revolution.sweep.as_ref().and_then(|sweep| self.own_returns.add(sweep)));
             (matched.pose, doubt)
         };
         if begins {
@@ -266,6 +277,20 @@ impl PoseTracker {
         is_unknown.then_some((N097, "pose: the walls do not show how far along the passage; its length is not known"))
     }
 
+    /// Directions that are wrong, in the revolution that shows it.
+    fn turned(&mut self, odometry: &Motion, matched: &Matched, of: &Revolution) -> Option<(NoteCode, String)> {
+        if !is_compared(odometry, matched) {
+            return None;
+        }
+        self.directions.add(&odometry.step, &self.pose.inv_mul(&matched.pose));
+        let fan = of.sweep.as_ref()?.fan?;
+        // Only a turn of the vehicle shows that a scan is mirrored.
+        let is_new = |wrong: &Wrong| self.wrong.is_none_or(|known| wrong.is_mirrored && !known.is_mirrored);
+        let wrong = self.directions.wrong().filter(is_new)?;
+        self.wrong = Some(wrong);
+        Some((N103, wrong.described(&fan)))
+    }
+
     /// A slip of the wheels, or a jump.
     fn slip(&mut self, odometry: Option<&Motion>, matched: &Matched) -> Option<(NoteCode, String)> {
         let is_held = matched.held == Held::Everywhere && !self.agreement.contradicts();
@@ -273,8 +298,10 @@ impl PoseTracker {
             self.agreement.interrupt();
             return None;
         };
-        let Slip { odometry, scans, deviations } =
-            self.agreement.slip(odometry, &self.pose.inv_mul(&matched.pose), self.odometry_share)?;
+        let slip = self.agreement.slip(odometry, &self.pose.inv_mul(&matched.pose), self.odometry_share);
+        let is_of_motion =
+            |slip: &Slip| self.wrong.is_none() && !self.directions.may_explain(slip.odometry, slip.scans);
+        let Slip { odometry, scans, deviations } = slip.filter(is_of_motion)?;
         let moved = |[way_m, turn_rad]: [f64; 2]| format!("{way_m:.1} m and {:.0} degrees", turn_rad.to_degrees());
         let (odometry, scans) = (moved(odometry), moved(scans));
         let apart = format!("{deviations:.0} standard deviations apart");
@@ -283,13 +310,13 @@ impl PoseTracker {
 
     /// Compares odometry and scans, and what there is to note about it.
     fn compare(&mut self, odometry: &Motion, matched: &Matched) -> Option<(NoteCode, String)> {
-        let are_neighbours = odometry.step.translation.vector.norm() < NEIGHBOURS_M;
-        if matched.lost || matched.held != Held::Everywhere || !are_neighbours {
+        if !is_compared(odometry, matched) {
             return None;
         }
         let Compared { odometry_m, scans_m, contradicts, is_new } =
             self.agreement.add(&odometry.step, &self.pose.inv_mul(&matched.pose))?;
         let what = match (contradicts, is_new) {
+            _ if self.wrong.is_some() => return None,
             (true, _) => "they contradict each other",
             (false, true) => "they agree again",
             (false, false) => return None,
@@ -297,6 +324,12 @@ impl PoseTracker {
         let moved = format!("the odometry moved by {odometry_m:.1} m, the scans by {scans_m:.1} m");
         Some((N098, format!("pose: {moved}: {what}")))
     }
+}
+
+/// Whether a motion of the scans can be compared with that of the odometry.
+fn is_compared(odometry: &Motion, matched: &Matched) -> bool {
+    let are_neighbours = odometry.step.translation.vector.norm() < NEIGHBOURS_M;
+    !matched.lost && matched.held == Held::Everywhere && are_neighbours
 }
 
 /// The standard deviation of a motion along a direction, metres.

@@ -134,7 +134,7 @@ pub fn convert(
         while let Some(message) = reader.next() {
             let Some(route) = routed.get(&message.channel).filter(|route| selection.holds(route, message.log_time_ns))
             else {
-                reader.recycle(message);
+                reader.container.recycle(message);
                 continue;
             };
             match recoded(route, &message) {
@@ -152,7 +152,7 @@ pub fn convert(
                 }
                 Err(_) => *converted.undecodable.entry(route.to.clone()).or_default() += 1,
             }
-            reader.recycle(message);
+            reader.container.recycle(message);
         }
         converted.losses.extend(reader.take_losses());
     }

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
-use crosscut_messages::{ScanDecoder, ScanMessage};
+use crosscut_messages::{NS_PER_S, ScanDecoder, ScanMessage};
 use crosscut_sensor::Sensor;
 use crosscut_stage::{Notes, Revolution, Sweep, counted};
 
@@ -12,8 +12,6 @@ use crate::container::{self, Contents, TopicReader};
 use crate::topics::{channels_of_each, topics_of};
 use crate::turns::{Turn, Turns};
 use crate::{IngestError, Loss, LossKind, ReadOptions, TopicInfo, limits};
-
-const NS_PER_S: f64 = 1e9;
 
 /// At least this many revolutions of a topic are looked at, and as many as show its parts of turns and blind sectors.
 const SCANS_SAMPLED: usize = 50;
@@ -109,7 +107,7 @@ pub fn describe(path: &Path, sensor: &Sensor, options: &ReadOptions) -> Result<D
             described += 1;
             let mut reader = TopicReader::new(container, channels);
             first_scan = describe_first(&mut reader, &info, decoder, sensor, &mut description.losses);
-            container = reader.into_container();
+            container = reader.container;
         }
         description.topics.push(TopicDescription { info, rate_hz, first_scan });
     }
@@ -120,7 +118,7 @@ pub fn describe(path: &Path, sensor: &Sensor, options: &ReadOptions) -> Result<D
 fn span(contents: &Contents) -> (Option<[u64; 2]>, bool) {
     let sample = || contents.log_times_ns.taken().iter().copied();
     let clock = Clock::new(&[], sample());
-    match contents.log_time_ns {
+    match contents.log_times_ns.span_ns {
         Some(span) if !span.into_iter().all(|ns| clock.believes(ns)) => {
             let believed = || sample().filter(|ns| clock.believes(*ns));
             (believed().min().zip(believed().max()).map(|(first, last)| [first, last]), true)
@@ -157,7 +155,7 @@ fn describe_first(
         let mut scan = turns.place();
         if let Err(cause) = decoder.decode_into(&message.data, &mut scan) {
             let kind = LossKind::Messages { topic: topic.name.clone(), first_seq: seq, count: 1, cause };
-            losses.push(Loss { file: reader.contents().path.clone(), kind });
+            losses.push(Loss { file: reader.container.contents().path.clone(), kind });
             break;
         }
         bytes += if decoder.gives_clouds() { message.data.len() } else { 0 };
@@ -165,7 +163,7 @@ fn describe_first(
             turns.push(Turn { scan: Ok(scan), ..Turn::new(seq, 0) }, sensor);
             sample.take(&mut turns, sensor);
         }
-        reader.recycle(message);
+        reader.container.recycle(message);
         seq += 1;
     }
     turns.finish(sensor);

@@ -66,6 +66,7 @@ mod loss;
 mod messages;
 mod metadata;
 mod odometry_reader;
+mod order;
 mod parts;
 mod recording;
 mod scanners;

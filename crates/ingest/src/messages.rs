@@ -136,7 +136,7 @@ impl Messages {
         let log_time_ns = message.log_time_ns;
         let (recorded_ns, odd_time) = clock.recorded_ns(Times { log_ns: log_time_ns, stamp_ns });
         if let Some(part) = self.parts.front_mut() {
-            part.recycle(message);
+            part.container.recycle(message);
         }
         let scan = decoded.map(|()| scan);
         Some(Turn { log_time_ns, recorded_ns, odd_time, scan, ..Turn::new(seq, self.part) })
@@ -145,25 +145,25 @@ impl Messages {
     /// How long [`Messages::next`] waits for messages of a stream from now on.
     pub(crate) fn wait(&mut self, wait: Wait) {
         if let Some(part) = self.parts.front_mut() {
-            part.wait(wait);
+            part.container.wait(wait);
         }
     }
 
     /// Whether there was no message in time, rather than no more.
     pub(crate) fn is_waiting(&self) -> bool {
-        self.parts.front().is_some_and(TopicReader::is_waiting)
+        self.parts.front().is_some_and(|part| part.container.is_waiting())
     }
 
     /// Why the stream can no longer be read, if that ended it.
     pub(crate) fn failure(&self) -> Option<String> {
-        self.parts.front().and_then(TopicReader::failure)
+        self.parts.front().and_then(|part| part.container.failure())
     }
 
     /// Leaves out the rest of a part, if it is the one that is read and its messages come by their times.
     pub(crate) fn leave_part(&mut self, part: usize) {
         if part == self.part
             && self.clock().believes_all()
-            && self.parts.front().is_some_and(TopicReader::is_by_log_time)
+            && self.parts.front().is_some_and(|part| part.container.is_by_log_time())
             && let Some(left) = self.next_part()
         {
             self.ahead.clear();

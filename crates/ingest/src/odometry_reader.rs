@@ -74,7 +74,7 @@ impl OdometryReader {
         let [first_ns, last_ns] = stamps_ns;
         self.poses.forget_before(first_ns);
         if let Some(reader) = &mut self.reader {
-            reader.wait(Wait::Recorded(recorded_ns.saturating_add(AHEAD_NS)));
+            reader.container.wait(Wait::Recorded(recorded_ns.saturating_add(AHEAD_NS)));
         }
         while self.poses.last_ns().is_none_or(|read_ns| read_ns < last_ns) && self.poses.len() < MOST_AHEAD {
             let Some(message) = self.next_message() else { break };
@@ -92,7 +92,7 @@ impl OdometryReader {
                 Err(cause) => self.unreadable.get_or_insert((0, cause)).0 += 1,
             }
             if let Some(reader) = &mut self.reader {
-                reader.recycle(message);
+                reader.container.recycle(message);
             }
             if log_time_ns > recorded_ns.saturating_add(AHEAD_NS) {
                 break;

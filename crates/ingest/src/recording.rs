@@ -5,7 +5,7 @@ use std::mem;
 use std::num::NonZero;
 use std::path::PathBuf;
 
-use crosscut_messages::{ScanDecoder, ScanType};
+use crosscut_messages::{NS_PER_S, ScanDecoder, ScanType};
 use crosscut_sensor::{Before, Motion, Sensor, Turning, times_s};
 use crosscut_stage::NoteCode::{N044, N045};
 use crosscut_stage::{Notes, Revolution, Source, SourceError, counted};
@@ -18,8 +18,6 @@ use crate::scanners::{Mount, Scanners, Scans};
 use crate::topics::{scan_topic, topics_of};
 use crate::turns::{Turn, Turns};
 use crate::{CsvGeometry, IngestError, Loss, TopicInfo, limits};
-
-const NS_PER_S: f64 = 1e9;
 
 /// Which scans of a recording are wanted.
 #[derive(Clone, Debug, PartialEq)]

@@ -48,7 +48,7 @@ impl Iterator for Stored {
 
     fn next(&mut self) -> Option<StoredMessage> {
         let message = self.reader.next()?;
-        let topic = self.reader.contents().channels.get(&message.channel).map(|topic| topic.name.clone());
+        let topic = self.reader.container.contents().channels.get(&message.channel).map(|topic| topic.name.clone());
         Some(StoredMessage { topic: topic?, log_time_ns: message.log_time_ns, data: message.data })
     }
 }

@@ -57,7 +57,7 @@ impl Truths {
     /// # Errors
     /// When its message cannot be read.
     pub fn at(&mut self, log_time_ns: u64) -> Result<Option<Truth>, TruthError> {
-        let in_order = self.reader.is_by_log_time();
+        let in_order = self.reader.container.is_by_log_time();
         if in_order {
             self.waiting = self.waiting.split_off(&log_time_ns);
         }
@@ -68,7 +68,7 @@ impl Truths {
             let Some(message) = self.reader.next() else { break };
             let truth = Truth::from_json(&message.data);
             self.waiting.entry(message.log_time_ns).or_default().push_back(truth);
-            self.reader.recycle(message);
+            self.reader.container.recycle(message);
         }
         let Some(same_time) = self.waiting.get_mut(&log_time_ns) else { return Ok(None) };
         let truth = same_time.pop_front();

@@ -78,7 +78,7 @@ pub use scan_decoder::{ScanDecoder, ScanMessage, ScanType, plain_type_name};
 #[cfg(feature = "foxglove")]
 pub use scene::{SCENE_SCHEMA_NAME, Scene, SceneArrow, SceneLine, SceneText};
 pub use schema::SCHEMA_ENCODING;
-pub use standard::{Header, Quaternion, Time, Vector3};
+pub use standard::{Header, NS_PER_S, Quaternion, Time, Vector3};
 pub use tf::{TfMessage, Transform, TransformStamped};
 pub use truth::{
     TRUTH_SCHEMA_NAME, TRUTH_SCHEMA_TEXT, Truth, TruthError, TruthKind, TruthOpening, TruthPlace, TruthPose,

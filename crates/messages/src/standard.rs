@@ -4,7 +4,9 @@ use serde::Serialize;
 
 use crate::{DecodeError, Fields};
 
-const NS_PER_S: u64 = 1_000_000_000;
+/// Nanoseconds in a second.
+pub const NS_PER_S: f64 = 1e9;
+const WHOLE_NS: u64 = NS_PER_S as u64;
 
 /// `builtin_interfaces/msg/Time`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -18,7 +20,7 @@ pub struct Time {
 impl Time {
     /// From nanoseconds since the epoch; `sec` stays at its largest value, in 2038, for anything later.
     pub fn from_ns(ns: u64) -> Self {
-        Self { sec: i32::try_from(ns / NS_PER_S).unwrap_or(i32::MAX), nanosec: (ns % NS_PER_S) as u32 }
+        Self { sec: i32::try_from(ns / WHOLE_NS).unwrap_or(i32::MAX), nanosec: (ns % WHOLE_NS) as u32 }
     }
 
     pub(crate) fn read(&mut self, from: &mut Fields<'_>) -> Result<(), DecodeError> {
@@ -33,7 +35,7 @@ impl Time {
 
     /// Nanoseconds since the epoch; `None` for a time before it.
     pub fn to_ns(self) -> Option<u64> {
-        Some(u64::try_from(self.sec).ok()? * NS_PER_S + u64::from(self.nanosec))
+        Some(u64::try_from(self.sec).ok()? * WHOLE_NS + u64::from(self.nanosec))
     }
 }
 

@@ -1,9 +1,8 @@
 //! What is odd about a scan beside the one before it: holes in the stamps, steps back, another sensor.
 
+use crosscut_messages::NS_PER_S;
 use crosscut_stage::NoteCode::{N040, N041, N042, N043};
 use crosscut_stage::{Notes, Revolution};
-
-const NS_PER_S: f64 = 1e9;
 
 /// A stamp after a hole is later than the one before by more than this.
 const GAP_NS: u64 = 1_000_000_000;

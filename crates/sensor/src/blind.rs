@@ -12,7 +12,7 @@ use std::ops::Range;
 
 use crosscut_messages::LaserScan;
 use crosscut_stage::NoteCode::{N023, N024};
-use crosscut_stage::{Beam, Notes, Revolution, counted};
+use crosscut_stage::{Beam, Notes, Revolution, as_setting_rad, counted};
 
 use crate::Sensor;
 use crate::directions::BeamDirections;
@@ -141,12 +141,6 @@ impl BlindSectors {
             true
         });
     }
-}
-
-/// A bearing that the setting accepts after rounding to three decimals: π itself would become 3.142.
-fn as_setting_rad(bearing_rad: f64) -> f64 {
-    let limit_rad = std::f64::consts::PI - 1e-3;
-    crosscut_stage::wrap_angle_rad(bearing_rad).clamp(-limit_rad, limit_rad)
 }
 
 impl Sector {

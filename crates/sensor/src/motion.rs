@@ -1,9 +1,7 @@
 //! How the vehicle moves while its lidar takes a scan, by odometry.
 
-use crosscut_messages::ScanMessage;
+use crosscut_messages::{NS_PER_S, ScanMessage};
 use nalgebra::Isometry2;
-
-const NS_PER_S: f64 = 1e9;
 
 /// The poses of the vehicle at two times of a scan. Between and around them it moves evenly.
 #[derive(Clone, Copy, Debug)]

@@ -46,7 +46,9 @@ pub use param::{
 pub use params::Params;
 pub use partition::Partition;
 pub use pose_doubt::{MotionDoubt, PoseDoubt};
-pub use revolution::{Beam, Fan, Revolution, Sweep, View, is_finite_pose, unit, widest_run, wrap_angle_rad};
+pub use revolution::{
+    Beam, Fan, Revolution, Sweep, View, as_setting_rad, is_finite_pose, unit, widest_run, wrap_angle_rad,
+};
 pub use spectrum::Spectrum;
 pub use traits::{AffinityStage, KmeansStage, Observer, ObserverError, Source, SourceError, SpectralStage, StageError};
 pub use unsure::Unsure;

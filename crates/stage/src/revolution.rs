@@ -263,6 +263,12 @@ pub fn wrap_angle_rad(angle_rad: f64) -> f64 {
     if turned > PI { turned - TAU } else { turned }
 }
 
+/// A bearing that a setting accepts after rounding to three decimals: π itself would become 3.142.
+pub fn as_setting_rad(bearing_rad: f64) -> f64 {
+    let limit_rad = PI - 1e-3;
+    wrap_angle_rad(bearing_rad).clamp(-limit_rad, limit_rad)
+}
+
 /// Whether a pose has neither an infinite value nor one that is no number.
 pub fn is_finite_pose(pose: &Isometry2<f64>) -> bool {
     pose.to_homogeneous().iter().all(|value| value.is_finite())

@@ -120,12 +120,11 @@ impl Command {
         );
         let Some(found) = found().filter(|_| !reads_none) else { return };
         let path = found.path.display();
-        if found.is_taken() {
-            say(format_args!("settings of {path}"));
-        } else {
-            say(format_args!(
-                "note: {path} is another user's, or anybody may write to it: its settings are not taken; --config {path} takes them"
-            ));
+        match found.refused() {
+            None => say(format_args!("settings of {path}")),
+            Some(why) => {
+                say(format_args!("note: {path} {why}: its settings are not taken; --config {path} takes them"))
+            }
         }
     }
 

@@ -32,6 +32,8 @@ pub(crate) struct ConfigArgs {
 const FILE_NAME: &str = "crosscut.toml";
 /// Names a file of settings in place of [`FILE_NAME`].
 const VARIABLE: &str = "CROSSCUT_CONFIG";
+/// A found file of more bytes is not taken: nobody asked for the time that its keys would take.
+const MOST_FOUND_BYTES: u64 = 1 << 20;
 
 /// Resolves the layers preset < the file that is found < `file` < single settings; messages name the option of the settings.
 pub(crate) fn resolve(
@@ -50,7 +52,7 @@ pub(crate) fn layers(
     settings: &[(&str, &[String])],
 ) -> Result<Vec<Layer>, UsageError> {
     let mut layers = vec![Preset::named(preset).map_err(usage)?.into()];
-    if let Some(found) = found().filter(Found::is_taken) {
+    if let Some(found) = found().filter(|found| found.refused().is_none()) {
         let (path, text) = (&found.path, settings_in(&found.path)?);
         let layer = if found.is_named { Layer::file(path, &text) } else { Layer::unasked(path, &text) };
         layers.push(layer.map_err(usage)?);
@@ -84,9 +86,14 @@ pub(crate) fn found() -> Option<Found> {
 }
 
 impl Found {
-    /// Whether its settings count: not those that somebody else put there, or may change.
-    pub(crate) fn is_taken(&self) -> bool {
-        self.is_named || is_own(&self.path)
+    /// Why its settings do not count, if they do not: those that somebody else put there, or may change, or too many.
+    pub(crate) fn refused(&self) -> Option<&'static str> {
+        let is_small = || self.path.metadata().is_ok_and(|file| file.len() <= MOST_FOUND_BYTES);
+        match self.is_named {
+            false if !is_own(&self.path) => Some("is another user's, or anybody may write to it"),
+            false if !is_small() => Some("is larger than the 1 MiB that a found file may have"),
+            _ => None,
+        }
     }
 }
 

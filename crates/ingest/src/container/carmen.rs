@@ -5,9 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::mem;
 use std::str::SplitWhitespace;
 
-use crosscut_messages::{
-    CDR_ENCODING, Endian, Header, LaserScan, Message as _, Odometry, Quaternion, SCHEMA_ENCODING, Time,
-};
+use crosscut_messages::{Endian, Header, LaserScan, Message as _, NS_PER_S, Odometry, Quaternion, Time};
 
 use super::lines::{Line, LineFormat};
 use super::{ChannelId, Message, Topic};
@@ -61,7 +59,8 @@ pub(super) struct Carmen {
     rate_hz: f64,
 }
 
-const NS_PER_S: f64 = 1e9;
+/// Behind its time, a line has the logger's host and time.
+const MOST_BEHIND: usize = 2;
 /// The largest second of a stamp.
 const LARGEST_NS: u64 = i32::MAX as u64 * 1_000_000_000;
 
@@ -129,17 +128,11 @@ impl LineFormat for Carmen {
     }
 
     fn channels(&self) -> BTreeMap<ChannelId, Topic> {
-        let topic = |name: String, type_name: &str| Topic {
-            name,
-            type_name: type_name.to_owned(),
-            encoding: CDR_ENCODING.to_owned(),
-            schema_encoding: SCHEMA_ENCODING.to_owned(),
-        };
         let there = (0..).zip(LASERS).zip(self.has_lasers).filter(|(_, is_there)| *is_there);
-        let lasers =
-            there.map(|((id, laser), _)| (id, topic(format!("/{}", laser.to_lowercase()), LaserScan::SCHEMA_NAME)));
+        let lasers = there
+            .map(|((id, laser), _)| (id, Topic::in_cdr(&format!("/{}", laser.to_lowercase()), LaserScan::SCHEMA_NAME)));
         let has_poses = self.has_odometry_lines || self.has_own_poses();
-        let odometry = has_poses.then(|| (ODOMETRY, topic("/odom".to_owned(), Odometry::SCHEMA_NAME)));
+        let odometry = has_poses.then(|| (ODOMETRY, Topic::in_cdr("/odom", Odometry::SCHEMA_NAME)));
         lasers.chain(odometry).collect()
     }
 
@@ -151,7 +144,7 @@ impl LineFormat for Carmen {
         if word == "ODOM" {
             let (pose, speeds, time_ns) = odometry_line(&mut words).map_err(|cause| (ODOMETRY, cause))?;
             if !are_own {
-                out.push_back(odometry(pose, speeds, self.time_ns(line, time_ns, &mut words)));
+                out.push_back(odometry(ODOMETRY, pose, speeds, self.time_ns(line, time_ns, &mut words)));
             }
         } else if let Some((laser, _)) = (0..).zip(LASERS).find(|(_, laser)| *laser == word) {
             let (mut scan, pose, time_ns) = self.laser_line(word, &mut words).map_err(|cause| (laser, cause))?;
@@ -160,7 +153,7 @@ impl LineFormat for Carmen {
             let data = scan.encode(Endian::Little);
             let of_laser = Message { channel: laser, log_time_ns, data, damage: None };
             if let Some(pose) = pose.filter(|_| are_own) {
-                out.push_back(odometry(pose, [0.0; 2], log_time_ns));
+                out.push_back(odometry(ODOMETRY, pose, [0.0; 2], log_time_ns));
             }
             out.push_back(of_laser);
         }
@@ -256,7 +249,13 @@ fn odometry_line(words: &mut Words) -> Result<([f64; 3], [f64; 2], u64), Cause> 
     Ok(([x_m, y_m, yaw_rad], [speed_mps, turn_radps], words.time_ns()?))
 }
 
-fn odometry([x_m, y_m, yaw_rad]: [f64; 3], [speed_mps, turn_radps]: [f64; 2], log_time_ns: u64) -> Message {
+/// A message of odometry: x, y in metres and yaw in radians, speeds in m/s and rad/s.
+pub(super) fn odometry(
+    channel: ChannelId,
+    [x_m, y_m, yaw_rad]: [f64; 3],
+    [speed_mps, turn_radps]: [f64; 2],
+    log_time_ns: u64,
+) -> Message {
     let mut odometry = Odometry { child_frame_id: "base_link".to_owned(), ..Odometry::default() };
     odometry.header = Header { stamp: Time::from_ns(log_time_ns), frame_id: "odom".to_owned() };
     odometry.pose.pose.position.x = x_m;
@@ -264,7 +263,7 @@ fn odometry([x_m, y_m, yaw_rad]: [f64; 3], [speed_mps, turn_radps]: [f64; 2], lo
     odometry.pose.pose.orientation = Quaternion::from_yaw_rad(yaw_rad);
     odometry.twist.twist.linear.x = speed_mps;
     odometry.twist.twist.angular.z = turn_radps;
-    Message { channel: ODOMETRY, log_time_ns, data: odometry.encode(Endian::Little), damage: None }
+    Message { channel, log_time_ns, data: odometry.encode(Endian::Little), damage: None }
 }
 
 /// The words of a line that are left.
@@ -306,6 +305,10 @@ impl Words<'_> {
             return Err("it ends in its time".to_owned());
         }
         let in_range = |ns: u64| Time::from_ns(ns).to_ns();
+        let left = self.words.clone().count();
+        if left > MOST_BEHIND {
+            return Err(format!("{left} words behind its time: a count in it does not fit"));
+        }
         nanoseconds(word).and_then(in_range).ok_or_else(|| format!("`{word:.20}` is no time"))
     }
 }
@@ -375,6 +378,16 @@ mod tests {
         assert_eq!((scan.ranges, scan.intensities), (vec![1.0, 2.0, 3.0], vec![7.0, 8.0]));
         assert_eq!((odometry.pose.pose.position.x, odometry.pose.pose.position.y), (4.0, 5.0));
         assert_eq!(found[1].log_time_ns, 1_232_658_478_250_000_000);
+    }
+
+    #[test]
+    fn a_count_that_does_not_fit_shifts_no_field() {
+        for count in [1, 2, 4, 5] {
+            let text = format!("FLASER {count} 1 2 3 0.1 0.2 0.3 0.4 0.5 0.6 10.5 host 0.1");
+            let line = Line { number: 1, text, is_ended: true };
+            let mut out = VecDeque::new();
+            assert!(Carmen::new(10.0).read(&line, &mut out).is_err() && out.is_empty(), "{count}");
+        }
     }
 
     #[test]

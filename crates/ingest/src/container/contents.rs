@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use crosscut_messages::{CDR_ENCODING, SCHEMA_ENCODING};
 use tempfile::TempPath;
 
 use crate::Loss;
@@ -28,8 +29,6 @@ pub(crate) struct Contents {
     pub(crate) channels: BTreeMap<ChannelId, Topic>,
     /// Messages of each channel, if they are counted.
     pub(crate) counts: Option<BTreeMap<ChannelId, u64>>,
-    /// Earliest and latest log time, if there are messages.
-    pub(crate) log_time_ns: Option<[u64; 2]>,
     /// Log times from all over the file.
     pub(crate) log_times_ns: TimeSample,
     /// What is known to be lost since the file was opened. Where the file had to be looked through as a whole, that is
@@ -50,9 +49,20 @@ pub(crate) struct Topic {
     pub(crate) schema_encoding: String,
 }
 
+impl Topic {
+    /// Of messages of ROS 2 in CDR.
+    pub(crate) fn in_cdr(name: &str, type_name: &str) -> Self {
+        let [name, type_name, encoding, schema_encoding] =
+            [name, type_name, CDR_ENCODING, SCHEMA_ENCODING].map(str::to_owned);
+        Self { name, type_name, encoding, schema_encoding }
+    }
+}
+
 /// Times from all over a file, evenly spaced among those that were added; a few hundred, however many these are.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TimeSample {
+    /// The earliest and the latest of all, if there are any.
+    pub(crate) span_ns: Option<[u64; 2]>,
     taken: Vec<u64>,
     /// Of this many, one is taken; 0 stands for 1.
     stride: u64,
@@ -63,6 +73,8 @@ impl TimeSample {
     const MOST: usize = 512;
 
     pub(crate) fn add(&mut self, ns: u64) {
+        let [first, last] = self.span_ns.unwrap_or([ns; 2]);
+        self.span_ns = Some([first.min(ns), last.max(ns)]);
         if self.taken.len() == Self::MOST {
             self.stride = self.stride.max(1) * 2;
             let mut index = 0;
@@ -132,13 +144,15 @@ pub(crate) trait Container: Send {
     fn next(&mut self) -> Option<Message>;
 
     /// Takes back the buffer of a message.
-    fn recycle(&mut self, message: Message);
+    fn recycle(&mut self, _: Message) {}
 
     /// Whether messages come by log time, ties in file order; otherwise they come in file order.
     fn is_by_log_time(&self) -> bool;
 
     /// How many messages of the selected channels were lost since the last call, as far as that is known.
-    fn take_skipped(&mut self) -> u64;
+    fn take_skipped(&mut self) -> u64 {
+        0
+    }
 
     /// What was lost since the last call, beside what [`contents`](Self::contents) says.
     fn take_losses(&mut self) -> Vec<Loss>;

@@ -102,8 +102,6 @@ impl<F: LineFormat> Lines<F> {
                 *counts.entry(channel).or_default() += 1;
                 self.is_by_log_time &= log_time_ns >= mem::replace(&mut last_ns, log_time_ns);
                 self.contents.log_times_ns.add(log_time_ns);
-                let [first, last] = self.contents.log_time_ns.unwrap_or([log_time_ns; 2]);
-                self.contents.log_time_ns = Some([first.min(log_time_ns), last.max(log_time_ns)]);
             }
         }
         // A channel without any line that can be read has no messages.
@@ -170,14 +168,8 @@ impl<F: LineFormat> Container for Lines<F> {
         self.queue.pop_front()
     }
 
-    fn recycle(&mut self, _: Message) {}
-
     fn is_by_log_time(&self) -> bool {
         self.is_by_log_time
-    }
-
-    fn take_skipped(&mut self) -> u64 {
-        0
     }
 
     fn take_losses(&mut self) -> Vec<Loss> {

@@ -12,8 +12,6 @@ use crate::{Damage, LossKind};
 pub(super) struct Survey {
     pub(super) channels: BTreeMap<ChannelId, Topic>,
     pub(super) counts: BTreeMap<ChannelId, u64>,
-    /// Earliest and latest log time, if there are messages.
-    pub(super) log_time_ns: Option<[u64; 2]>,
     pub(super) log_times_ns: TimeSample,
     /// Channel and log time of the messages that are not settled.
     recent: Vec<(ChannelId, u64)>,
@@ -81,8 +79,6 @@ impl Visitor for Survey {
             if whole {
                 *self.counts.entry(channel).or_default() += 1;
                 self.log_times_ns.add(log_time_ns);
-                let [first, last] = self.log_time_ns.unwrap_or([log_time_ns; 2]);
-                self.log_time_ns = Some([first.min(log_time_ns), last.max(log_time_ns)]);
             }
         }
     }

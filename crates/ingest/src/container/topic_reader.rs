@@ -6,7 +6,7 @@ use std::mem;
 
 use crosscut_messages::CDR_ENCODING;
 
-use super::{ChannelId, Container, Contents, Message, Wait};
+use super::{ChannelId, Container, Message};
 use crate::{Loss, LossKind, limits};
 
 /// The first bytes of what is compressed with zstd.
@@ -14,7 +14,8 @@ const ZSTD_SIGN: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
 
 /// Reads the messages of one topic, in the order of its [`Container`].
 pub(crate) struct TopicReader {
-    container: Box<dyn Container>,
+    /// Messages go back to it, and it knows whether a stream goes on; [`TopicReader::next`] gives them.
+    pub(crate) container: Box<dyn Container>,
     channels: BTreeSet<ChannelId>,
     /// Messages that were handed out, or are known to be lost.
     passed: u64,
@@ -33,15 +34,7 @@ impl TopicReader {
         Self { container, channels, passed: 0, skipped: 0, lost_uncounted: false, losses }
     }
 
-    pub(crate) fn contents(&self) -> &Contents {
-        self.container.contents()
-    }
-
-    pub(crate) fn into_container(self) -> Box<dyn Container> {
-        self.container
-    }
-
-    /// The next message; give it back by [`TopicReader::recycle`].
+    /// The next message; give it back to its container.
     pub(crate) fn next(&mut self) -> Option<Message> {
         let mut message = self.container.next();
         if let Some(message) = &mut message {
@@ -64,7 +57,7 @@ impl TopicReader {
     /// Decompresses a message of a recorder that compresses each one (`ros2 bag record --compression-mode message`). No
     /// message in CDR begins like that. A damaged one stays compressed, and cannot be decoded.
     fn decompress(&self, message: &mut Message) {
-        let encoding = self.contents().channels.get(&message.channel).map(|topic| topic.encoding.as_str());
+        let encoding = self.container.contents().channels.get(&message.channel).map(|topic| topic.encoding.as_str());
         if encoding != Some(CDR_ENCODING) || !message.data.starts_with(&ZSTD_SIGN) {
             return;
         }
@@ -79,7 +72,7 @@ impl TopicReader {
     /// Reports messages that the file counts and that were not there, if nothing that is known explains it.
     fn check_count(&mut self) {
         let count = self.left();
-        if count > 0 && self.is_by_log_time() && !self.lost_uncounted {
+        if count > 0 && self.container.is_by_log_time() && !self.lost_uncounted {
             self.passed += count;
             let contents = self.container.contents();
             let topic = self.channels.iter().find_map(|id| contents.channels.get(id)).map(|topic| topic.name.clone());
@@ -88,29 +81,9 @@ impl TopicReader {
         }
     }
 
-    /// How long [`TopicReader::next`] waits for messages of a stream from now on.
-    pub(crate) fn wait(&mut self, wait: Wait) {
-        self.container.wait(wait);
-    }
-
-    /// Whether there was no message in time, rather than no more.
-    pub(crate) fn is_waiting(&self) -> bool {
-        self.container.is_waiting()
-    }
-
-    /// Why the stream can no longer be read, if that ended it.
-    pub(crate) fn failure(&self) -> Option<String> {
-        self.container.failure()
-    }
-
     /// How many messages are still to come, as the file counts them.
     pub(crate) fn left(&self) -> u64 {
-        self.contents().count(&self.channels).unwrap_or(0).saturating_sub(self.passed)
-    }
-
-    /// Takes back the buffer of a message.
-    pub(crate) fn recycle(&mut self, message: Message) {
-        self.container.recycle(message);
+        self.container.contents().count(&self.channels).unwrap_or(0).saturating_sub(self.passed)
     }
 
     /// How many messages were lost since the last call, as far as that is known.
@@ -121,10 +94,5 @@ impl TopicReader {
     /// What was lost since the last call.
     pub(crate) fn take_losses(&mut self) -> Vec<Loss> {
         mem::take(&mut self.losses)
-    }
-
-    /// Whether messages come by log time, so that none after one that is too late can be in time.
-    pub(crate) fn is_by_log_time(&self) -> bool {
-        self.container.is_by_log_time()
     }
 }

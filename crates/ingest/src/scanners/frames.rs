@@ -57,7 +57,7 @@ impl Frames {
             }
             let mut reader = TopicReader::new(container, encodings.keys().copied().collect());
             if is_stream {
-                reader.wait(Wait::Never);
+                reader.container.wait(Wait::Never);
                 frames.stream.push((reader, encodings));
             } else {
                 frames.read_all(&mut reader, &encodings);
@@ -89,7 +89,7 @@ impl Frames {
             if let Ok(sent) = ros::decode::<TfMessage>(encoding, &message.data) {
                 sent.transforms.iter().for_each(|transform| self.add(transform));
             }
-            reader.recycle(message);
+            reader.container.recycle(message);
         }
     }
 

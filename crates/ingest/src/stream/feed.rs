@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use crossbeam_channel::{Receiver, SendError, Sender, TrySendError, bounded};
-use crosscut_messages::{CDR_ENCODING, ScanType};
+use crosscut_messages::ScanType;
 
 use crate::container::{ChannelId, Topic, Visitor};
 use crate::{Loss, TopicInfo};
@@ -63,12 +63,7 @@ impl Feed {
     /// # Errors
     /// When nobody reads it any more.
     pub fn hear(&self, topic: &str, type_name: &str, data: Vec<u8>, missing: u64) -> Result<(), StreamEnded> {
-        let topic = Arc::new(Topic {
-            name: topic.to_owned(),
-            type_name: type_name.to_owned(),
-            encoding: CDR_ENCODING.to_owned(),
-            schema_encoding: "ros2msg".to_owned(),
-        });
+        let topic = Arc::new(Topic::in_cdr(topic, type_name));
         if missing > 0 {
             *self.missing().on_the_way.entry(topic.name.clone()).or_default() += missing;
         }

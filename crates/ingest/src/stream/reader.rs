@@ -92,14 +92,8 @@ impl Container for Streamed {
         }
     }
 
-    fn recycle(&mut self, _: Message) {}
-
     fn is_by_log_time(&self) -> bool {
         false
-    }
-
-    fn take_skipped(&mut self) -> u64 {
-        0
     }
 
     fn take_losses(&mut self) -> Vec<Loss> {

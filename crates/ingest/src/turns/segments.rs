@@ -10,6 +10,7 @@ use crosscut_stage::counted;
 
 use super::turn::Turn;
 use crate::limits;
+use crate::order::usual;
 
 /// Fewer messages do not show what a driver does.
 const LEAST_MESSAGES: usize = 6;
@@ -69,9 +70,9 @@ struct Current {
 impl Joiner {
     /// Looks whether the first scans of a recording are parts of turns.
     pub(super) fn of(scans: &[&LaserScan]) -> Option<Self> {
-        let mut increments: Vec<f32> = scans.iter().map(|scan| scan.angle_increment.abs()).collect();
-        increments.sort_by(f32::total_cmp);
-        let increment_rad = increments.get(increments.len() / 2)?.copysign(scans.first()?.angle_increment);
+        let stated = scans.iter().filter(|scan| states_increment(scan));
+        let way = stated.clone().next()?.angle_increment;
+        let increment_rad = (usual(stated.map(|scan| f64::from(scan.angle_increment).abs()))? as f32).copysign(way);
         let step_rad = f64::from(increment_rad).abs();
         let is_part =
             |scan: &LaserScan| scan.angle_min.is_finite() && span_rad(scan) > 0.0 && span_rad(scan) < WIDEST_PART_RAD;
@@ -117,9 +118,8 @@ impl Joiner {
         };
         joiner.numbers = Numbers::of(&firsts, scans.len());
         let took_ns = |pair: &[usize]| stamp_ns(scans[pair[1]]).checked_sub(stamp_ns(scans[pair[0]]));
-        let mut took_ns: Vec<u64> = firsts.windows(2).filter_map(took_ns).collect();
-        took_ns.sort_unstable();
-        joiner.usual_ns = took_ns.get(took_ns.len() / 2).copied().filter(|&ns| ns > 0);
+        let took_ns = firsts.windows(2).filter_map(took_ns).map(|ns| ns as f64);
+        joiner.usual_ns = usual(took_ns).map(|ns| ns as u64).filter(|&ns| ns > 0);
         Some(joiner)
     }
 
@@ -151,15 +151,24 @@ impl Joiner {
         self.numbers.messages_in_turn
     }
 
+    /// Whether a scan is a part of a turn, and looks where the first ones did.
+    fn joins(&self, scan: &LaserScan) -> bool {
+        !scan.ranges.is_empty()
+            && scan.angle_min.is_finite()
+            && (!states_increment(scan) || is_of_sensor(scan, self.increment_rad))
+            && self.first_beam(&along(scan, self.increment_rad)) <= self.beams
+    }
+
     /// Takes a message; turns that are complete go to `out`.
     pub(super) fn take(&mut self, mut part: Turn, out: &mut VecDeque<Turn>) {
         let scan = match &part.scan {
-            Ok(ScanMessage::Scan(scan)) if !scan.ranges.is_empty() && is_of_sensor(scan, self.increment_rad) => {
-                along(scan, self.increment_rad)
-            }
+            Ok(ScanMessage::Scan(scan)) if self.joins(scan) => along(scan, self.increment_rad),
             Ok(_) => {
                 self.finish(out);
-                part.notes.add(N059, "not joined with other parts of its turn: the angle from beam to beam is another");
+                part.notes.add(
+                    N059,
+                    "not joined with other parts of its turn: the angle from beam to beam, or its sector, is another",
+                );
                 part.seq = self.numbers.next(part.seq, part.seq);
                 out.push_back(part);
                 return;
@@ -324,8 +333,16 @@ fn span_rad(scan: &LaserScan) -> f64 {
     scan.ranges.len() as f64 * f64::from(scan.angle_increment).abs()
 }
 
-/// The scan with its beams in the direction of `increment_rad`.
+/// Whether a scan says how far its beams are apart.
+fn states_increment(scan: &LaserScan) -> bool {
+    scan.angle_increment.is_finite() && scan.angle_increment != 0.0
+}
+
+/// The scan with its beams in the direction of `increment_rad`; they are as far apart as usual where it does not say how far.
 fn along(scan: &LaserScan, increment_rad: f32) -> Cow<'_, LaserScan> {
+    if !states_increment(scan) {
+        return Cow::Owned(LaserScan { angle_increment: increment_rad, ..scan.clone() });
+    }
     if scan.angle_increment * increment_rad >= 0.0 {
         return Cow::Borrowed(scan);
     }

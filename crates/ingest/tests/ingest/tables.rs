@@ -232,6 +232,22 @@ fn lists_of_angles_and_distances_are_turns() {
         (list(5, |_, deg, m| format!("15\t{deg:.2}\t{:.1}\tok", mm(m))), 5),
         (format!("scan,label,angle,distance\n{}", list(3, |turn, deg, m| format!("{turn},tee,{deg},{m}"))), 3),
         (list(5, |_, deg, m| format!("{} {:.3}", (180.0 - deg).to_radians(), m)), 5),
+        (format!("deg,mm\n{}", list(4, |_, deg, m| format!("{deg},{}", mm(m)))), 4),
+        (format!("Ranges,Angles\n{}", list(4, |_, deg, m| format!("{m},{}", deg.to_radians()))), 4),
+        (
+            list(4, |_, deg, m| {
+                format!("{} theta: {deg:06.2} Dist: {:08.2} Q: 47", if deg < 2.0 { "S" } else { "" }, mm(m))
+            }),
+            4,
+        ),
+        (list(4, |_, deg, m| format!("(15, {deg:.1}, {:.1})", mm(m))), 4),
+        (
+            list(4, |turn, deg, m| {
+                format!("{}{deg} {:.1}", if deg < 2.0 { format!("Scan {turn}\n") } else { String::new() }, mm(m))
+            }),
+            4,
+        ),
+        (list(4, |_, deg, m| format!("{}{deg},{:.1}", if deg < 2.0 { "--- new scan\n" } else { "" }, mm(m))), 4),
     ] {
         let read = scans(&text);
         assert_eq!(read.len(), turns, "{}", &text[..60]);
@@ -300,4 +316,24 @@ fn columns_of_words_are_left_out_aloud() {
     let description = describe(&path, &sensor(&[]), &options("")).expect("a table");
     let columns = &description.properties[0].1;
     assert!(columns.contains("with 9 ranges; column 2 (words) is not used"), "{columns}");
+    let label = |i: usize| ["tee", "cross", "bend", "tee", "end", "bend", "bend"][i % 7];
+    let rows: String = (0..21).map(|i| format!("{},{}\n", label(i), row(8, ","))).collect();
+    assert_eq!(scans(&rows).len(), 21, "a label that changes is no line between rows");
+}
+
+#[test]
+fn columns_of_a_pose_are_the_odometry() {
+    let ranges = row(8, ",");
+    let rows = |i: i32| format!("{},{ranges},{}\n", f64::from(i) * 0.5, 90);
+    let text: String = (0..9).map(|i| format!("{i},{}", rows(i))).collect();
+    let names: String = (0..8).map(|i| format!("r{i},")).collect();
+    let read = scans(&format!("time_s,robot_x,{names}heading_deg\n{text}"));
+    assert!(read.odometry.iter().all(Option::is_none), "no y");
+    let read = scans(&format!("time_s,x,{names}heading_deg,y\n{}", text.replace('\n', ",2\n")));
+    let pose = read.odometry[4].expect("a pose");
+    assert!((pose.translation.x - 2.0).abs() < 1e-6 && (pose.translation.y - 2.0).abs() < 1e-6, "{pose:?}");
+    assert!((pose.rotation.angle() - std::f64::consts::FRAC_PI_2).abs() < 1e-6, "{pose:?}");
+    let of_list = list(4, |turn, deg, m| format!("{},{turn},1,0.5,{deg},{m}", 100 * turn));
+    let read = scans(&format!("time_ms,pose_x,pose_y,pose_theta,angle,distance\n{of_list}"));
+    assert_eq!(read.odometry.iter().flatten().count(), read.len());
 }

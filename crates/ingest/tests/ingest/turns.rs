@@ -3,7 +3,7 @@
 use std::f32::consts::{PI, TAU};
 
 use crosscut_ingest::{ReadOptions, Recording};
-use crosscut_messages::{Cloud, Endian, Header, LaserScan, PointCloud2, Time};
+use crosscut_messages::{Cloud, Endian, Header, LaserScan, Message as _, PointCloud2, Time};
 use crosscut_stage::{Beam, Notes, Revolution, Source, Value};
 
 use crate::flight::{Folder, Form, Read, Record, drain, open, record_at, sensor, time_ns};
@@ -186,7 +186,7 @@ fn a_sector_that_returns_after_all_is_in_view_again() {
 
 /// Parts of turns of a motor that runs unevenly: each has its own increment and number of beams, and they go on where
 /// the last one ends. The range of each beam is that of its bearing.
-fn uneven(turns: f32, direction: f32) -> Vec<Record> {
+fn uneven(turns: f32, direction: f32, stated: impl Fn(usize, f32) -> f32) -> Vec<Record> {
     let (mut records, mut travel) = (Vec::new(), 0.0f32);
     while travel < turns * TAU {
         let at = records.len();
@@ -196,7 +196,7 @@ fn uneven(turns: f32, direction: f32) -> Vec<Record> {
         let scan = LaserScan {
             header: Header { stamp: Time::from_ns(ns), frame_id: "laser".to_owned() },
             angle_min: direction * ((travel + PI).rem_euclid(TAU) - PI),
-            angle_increment: direction * step,
+            angle_increment: stated(at, direction * step),
             range_max: 30.0,
             ranges: (0..beams).map(range).collect(),
             ..LaserScan::default()
@@ -209,8 +209,10 @@ fn uneven(turns: f32, direction: f32) -> Vec<Record> {
 
 #[test]
 fn parts_of_an_uneven_motor_are_joined_by_their_bearings() {
-    for direction in [1.0, -1.0] {
-        let read = read(&uneven(12.0, direction));
+    // Some packets state no increment.
+    let odd = |at: usize, step: f32| [step, 0.0, step, f32::NAN, step][at % 5];
+    for (direction, are_odd) in [(1.0, false), (-1.0, false), (1.0, true)] {
+        let read = read(&uneven(12.0, direction, |at, step| if are_odd { odd(at, step) } else { step }));
         assert!((12..=13).contains(&read.len()), "{} turns", read.len());
         for ranges in &read.ranges[1..11] {
             let ranges: Vec<f32> = ranges.iter().map(|bits| f32::from_bits(*bits)).collect();
@@ -218,6 +220,17 @@ fn parts_of_an_uneven_motor_are_joined_by_their_bearings() {
             assert!(ranges.iter().all(|range| range.is_finite()) && even + 3 > ranges.len(), "{ranges:?}");
         }
     }
+}
+
+#[test]
+fn a_part_that_looks_where_none_did_stands_alone() {
+    let mut records = parts(30, 1.0, PI);
+    let last = records.last_mut().expect("a part");
+    let mut scan = LaserScan::decode(&last.data).expect("a scan");
+    scan.angle_min = 3.0;
+    last.data = scan.encode(Endian::Little);
+    let read = read(&records);
+    assert!(read.notes.last().expect("a turn").iter().any(|note| note.contains("or its sector, is another")));
 }
 
 #[test]

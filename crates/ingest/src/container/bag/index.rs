@@ -60,13 +60,6 @@ impl Index {
         }
         counts
     }
-
-    /// Earliest and latest log time, if there are messages.
-    pub(super) fn log_time_ns(&self) -> Option<[u64; 2]> {
-        let first = self.chunks.iter().map(|chunk| chunk.place.first_log_time_ns).min()?;
-        let last = self.chunks.iter().map(|chunk| chunk.last_log_time_ns).max()?;
-        Some([first, last])
-    }
 }
 
 fn chunk_of(head: &Head, data: &[u8]) -> Result<Chunk, Damage> {

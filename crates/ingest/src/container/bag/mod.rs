@@ -31,7 +31,6 @@ pub(super) fn open(path: &Path, file: RestingFile) -> io::Result<Chunked<BagFile
     };
     let mut chunks = Vec::new();
     let words = if let Some(index) = index {
-        contents.log_time_ns = index.log_time_ns();
         for chunk in &index.chunks {
             contents.log_times_ns.add(chunk.place.first_log_time_ns);
             contents.log_times_ns.add(chunk.last_log_time_ns);
@@ -47,7 +46,6 @@ pub(super) fn open(path: &Path, file: RestingFile) -> io::Result<Chunked<BagFile
         contents.losses.extend(losses.map(|kind| Loss { file: path.to_owned(), kind }));
         contents.channels = survey.channels;
         contents.counts = Some(survey.counts);
-        contents.log_time_ns = survey.log_time_ns;
         contents.log_times_ns = survey.log_times_ns;
         "none: messages come in the order of the file".to_owned()
     };

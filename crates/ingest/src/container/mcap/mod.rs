@@ -56,10 +56,9 @@ pub(super) fn open(path: &Path, file: RestingFile) -> io::Result<Chunked<DataSec
     }
     match summary.statistics {
         Some(statistics) if !contents.channels.is_empty() && !chunks.is_empty() => {
-            if statistics.message_count > 0 {
-                contents.log_time_ns = Some([statistics.message_start_time, statistics.message_end_time]);
-            }
             sample_times(&mut section, &chunks, &mut contents.log_times_ns);
+            let span_ns = [statistics.message_start_time, statistics.message_end_time];
+            contents.log_times_ns.span_ns = (statistics.message_count > 0).then_some(span_ns);
             let counts = statistics.channel_message_counts.into_iter();
             contents.counts = Some(counts.map(|(id, count)| (id.into(), count)).collect());
         }
@@ -76,7 +75,6 @@ pub(super) fn open(path: &Path, file: RestingFile) -> io::Result<Chunked<DataSec
             }
             contents.channels = survey.channels;
             contents.counts = Some(survey.counts);
-            contents.log_time_ns = survey.log_time_ns;
             contents.log_times_ns = survey.log_times_ns;
         }
     }

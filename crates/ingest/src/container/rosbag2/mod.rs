@@ -146,8 +146,7 @@ impl Rosbag2 {
             let kind = LossKind::UnknownTopic { count: counts.of_unknown_topics };
             self.contents.losses.push(Loss { file: self.contents.path.clone(), kind });
         }
-        (self.contents.counts, self.contents.log_time_ns) = (Some(counts.messages), counts.log_time_ns);
-        self.contents.log_times_ns = counts.log_times_ns;
+        (self.contents.counts, self.contents.log_times_ns) = (Some(counts.messages), counts.log_times_ns);
     }
 
     /// Hands the place of every message to `take`, in the order of writing.
@@ -269,10 +268,6 @@ impl Container for Rosbag2 {
         true
     }
 
-    fn take_skipped(&mut self) -> u64 {
-        0
-    }
-
     fn take_losses(&mut self) -> Vec<Loss> {
         mem::take(&mut self.losses)
     }
@@ -283,7 +278,6 @@ impl Container for Rosbag2 {
 struct Counts {
     messages: BTreeMap<ChannelId, u64>,
     of_unknown_topics: u64,
-    log_time_ns: Option<[u64; 2]>,
     log_times_ns: TimeSample,
 }
 
@@ -294,7 +288,5 @@ impl Counts {
             None => self.of_unknown_topics += 1,
         }
         self.log_times_ns.add(log_time_ns);
-        let [first, last] = self.log_time_ns.unwrap_or([log_time_ns; 2]);
-        self.log_time_ns = Some([first.min(log_time_ns), last.max(log_time_ns)]);
     }
 }

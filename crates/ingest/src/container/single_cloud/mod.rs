@@ -13,7 +13,7 @@ use std::io::{Read as _, Seek as _};
 use std::mem;
 use std::path::Path;
 
-use crosscut_messages::{CDR_ENCODING, Endian, POINTS_TOPIC, PointCloud2, SCHEMA_ENCODING, Time};
+use crosscut_messages::{Endian, POINTS_TOPIC, PointCloud2, Time};
 use crosscut_stage::counted;
 
 use super::resting_file::RestingFile;
@@ -65,15 +65,12 @@ impl SingleCloud {
         let Parsed { cloud, encoding, losses } = format.parse(&bytes)?;
         contents.properties = vec![("encoding", encoding), ("points", counted(u64::from(cloud.width), "point"))];
         contents.losses = losses.into_iter().map(|kind| Loss { file: path.to_owned(), kind }).collect();
-        let [name, type_name, encoding, schema_encoding] =
-            [POINTS_TOPIC, PointCloud2::SCHEMA_NAME, CDR_ENCODING, SCHEMA_ENCODING].map(str::to_owned);
-        contents.channels.insert(POINTS, Topic { name, type_name, encoding, schema_encoding });
+        contents.channels.insert(POINTS, Topic::in_cdr(POINTS_TOPIC, PointCloud2::SCHEMA_NAME));
         contents.counts = Some(BTreeMap::from([(POINTS, 1)]));
         let stamp_ns = path.file_stem().and_then(|name| stamp_in(&name.to_string_lossy())).unwrap_or(0);
         if stamp_ns > 0 {
             contents.properties.push(("stamp", "by the name of the file".to_owned()));
         }
-        contents.log_time_ns = Some([stamp_ns; 2]);
         contents.log_times_ns.add(stamp_ns);
         file.rest()?;
         Ok(Self { stamp_ns, file, format, contents, is_due: false, losses: Vec::new() })
@@ -158,14 +155,8 @@ impl Container for SingleCloud {
         }
     }
 
-    fn recycle(&mut self, _: Message) {}
-
     fn is_by_log_time(&self) -> bool {
         true
-    }
-
-    fn take_skipped(&mut self) -> u64 {
-        0
     }
 
     fn take_losses(&mut self) -> Vec<Loss> {

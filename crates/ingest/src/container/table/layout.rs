@@ -4,13 +4,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 
-use crosscut_messages::LaserScan;
+use crosscut_messages::{LaserScan, NS_PER_S};
 
-use super::list::{Columns, List, UNITS_M};
+use super::list::{Columns, LARGEST_RAD, List, UNITS_M};
 use crate::Found;
-
-/// Nanoseconds in a second.
-pub(super) const NS_PER_S: f64 = 1e9;
+use crate::order::usual;
 
 /// The part of a scan that a column of numbers states.
 type Field = fn(&mut LaserScan) -> &mut f32;
@@ -71,6 +69,9 @@ const UNITS_RAD: [(&str, f64); 5] =
     [("deg", PI / 180.0), ("degree", PI / 180.0), ("degrees", PI / 180.0), ("rad", 1.0), ("radians", 1.0)];
 const UNITS_NS: [(&str, f64); 4] = [("ns", 1.0), ("us", 1e3), ("ms", 1e6), ("s", NS_PER_S)];
 
+/// What stands before the names of a pose.
+const VEHICLES: [&str; 6] = ["robot", "pose", "odom", "vehicle", "pos", "base"];
+
 /// Rows with fewer cells and no names are points, or pairs of angles and distances.
 const LEAST_BARE_RANGES: usize = 8;
 /// Words stand in one of the first columns, this many, or in the last: behind, they were what a beam says.
@@ -83,8 +84,7 @@ const EPOCHS: RangeInclusive<f64> = 1e9..=4e18;
 const NANOSECONDS: RangeInclusive<f64> = 1e7..=NS_PER_S;
 /// The steps of bearings are equal to within this share.
 const EVEN: f64 = 0.05;
-/// Bearings are in radians up to this, and in degrees up to that.
-const LARGEST_RAD: f64 = 6.4;
+/// Bearings beyond those in radians are in degrees up to this.
 const LARGEST_DEG: f64 = 361.0;
 
 /// A scan is taken this many ns after the one before at the most: a column by which it takes longer counts another
@@ -123,12 +123,6 @@ fn cells_of(rows: &[Vec<f64>], column: usize) -> impl Iterator<Item = f64> + Clo
     rows.iter().map(move |row| row.get(column).copied().unwrap_or(f64::NAN))
 }
 
-/// The middle one of these numbers.
-fn usual(mut numbers: Vec<f64>) -> Option<f64> {
-    numbers.sort_by(f64::total_cmp);
-    numbers.get(numbers.len() / 2).copied()
-}
-
 /// What the columns hold.
 #[derive(Default)]
 pub(super) struct Layout {
@@ -151,8 +145,15 @@ pub(super) struct Layout {
     pub(super) unit_m: f64,
     /// Of a table with a return a row, in place of ranges.
     pub(super) of_list: Option<Columns>,
+    pub(super) pose: Option<Pose>,
     /// What was taken for what, in words.
     pub(super) taken: String,
+}
+
+/// The columns of x, y and yaw of the vehicle, with metres and radians in their units.
+pub(super) struct Pose {
+    pub(super) columns: [usize; 3],
+    pub(super) units: [f64; 3],
 }
 
 impl Layout {
@@ -165,7 +166,7 @@ impl Layout {
         let mut layout = Self { names, unit_m: 1.0, ..Self::default() };
         let are_of_rostopic = layout.names.iter().any(|name| name == "%time");
         layout.find_singles(&parsed, are_of_rostopic, rows);
-        if !layout.find_ranges(&parsed) && !layout.find_list(&parsed, rows) {
+        if !layout.find_ranges(&parsed, rows) && !layout.find_list(&parsed, rows) {
             let count = |is: fn(&Part) -> bool| parsed.iter().filter(|name| is(&name.part)).count();
             return Err(if count(|part| matches!(part, Part::Coordinate)) > 1 && layout.frame.is_none() {
                 Found::PointTable
@@ -173,6 +174,7 @@ impl Layout {
                 Found::OtherTable(listed(layout.names.iter()))
             });
         }
+        layout.pose = layout.find_pose(&parsed, rows);
         layout.taken = layout.described();
         Ok(layout)
     }
@@ -284,7 +286,7 @@ impl Layout {
 
     /// The ranges are the columns of a name for ranges and a number, of which there are most with one name; or those that are
     /// named by bearings; or a list in one cell.
-    fn find_ranges(&mut self, names: &[Name]) -> bool {
+    fn find_ranges(&mut self, names: &[Name], rows: &[Vec<f64>]) -> bool {
         let of_numbers = self.names.iter().enumerate().filter_map(|(i, name)| Some((i, name.parse::<f64>().ok()?)));
         let (columns, bearings): (Vec<usize>, Vec<f64>) = of_numbers.unzip();
         self.bearings_rad = bearings_rad(&bearings);
@@ -292,7 +294,9 @@ impl Layout {
         for (column, name) in names.iter().enumerate().filter(|(_, name)| matches!(name.part, Part::Ranges)) {
             match name.number {
                 Some(_) => groups.entry(&name.stem).or_default().push(column),
-                None if name.stem == "ranges" => self.list = self.list.or(Some(column)),
+                None if name.stem == "ranges" && cells_of(rows, column).all(f64::is_nan) => {
+                    self.list = self.list.or(Some(column))
+                }
                 None => {}
             }
         }
@@ -350,13 +354,45 @@ impl Layout {
         self.of_list.is_some()
     }
 
-    /// What was taken for what.
-    fn described(&self) -> String {
-        let name = |column: usize| &self.names[column];
+    /// The pose of the vehicle, beside what the scan is: x, y and an angle, with names such as `robot_x` or alone. In a list, an
+    /// angle alone may be that of the row in another unit.
+    fn find_pose(&self, names: &[Name], rows: &[Vec<f64>]) -> Option<Pose> {
+        let used = self.used();
+        let at = |alone: &[&str], of_vehicle: &[&str]| {
+            let is = |column: &usize| {
+                let stem = names[*column].stem.as_str();
+                let is_of_vehicle = |(of, what)| VEHICLES.contains(&of) && of_vehicle.contains(&what);
+                names[*column].number.is_none()
+                    && (alone.contains(&stem) || stem.split_once('_').is_some_and(is_of_vehicle))
+            };
+            (0..names.len()).filter(is).find(|column| !used.contains(column))
+        };
+        let angles = ["yaw", "heading", "theta", "th", "phi", "angle"];
+        let alone = if self.of_list.is_some() { &angles[..2] } else { &angles[..] };
+        let columns = [at(&["x"], &["x"])?, at(&["y"], &["y"])?, at(alone, &angles)?];
+        let unit = |column: usize, units: &[(&str, f64)]| {
+            units.iter().find(|(unit, _)| *unit == names[column].unit).map(|(_, value)| *value)
+        };
+        let [x, y, yaw] = columns;
+        let largest = cells_of(rows, yaw).fold(0.0, |largest: f64, angle| largest.max(angle.abs()));
+        let by_size = if largest > LARGEST_RAD { PI / 180.0 } else { 1.0 };
+        let metres = |column: usize| unit(column, &UNITS_M).unwrap_or(1.0);
+        Some(Pose { columns, units: [metres(x), metres(y), unit(yaw, &UNITS_RAD).unwrap_or(by_size)] })
+    }
+
+    /// The columns that the scan is made of, without times.
+    fn used(&self) -> Vec<usize> {
         let mut used: Vec<usize> = self.ranges.iter().copied().chain(self.list).chain(self.frame).collect();
         used.extend(self.fields.iter().map(|(column, _)| column));
         let of_list = self.of_list.map(|list| [Some(list.first), Some(list.second), list.third, list.turn]);
         used.extend(of_list.into_iter().flatten().flatten());
+        used
+    }
+
+    /// What was taken for what.
+    fn described(&self) -> String {
+        let name = |column: usize| &self.names[column];
+        let mut used = self.used();
         let mut taken = match (self.list, &self.ranges[..]) {
             _ if self.of_list.is_some() => format!("{} in each row", listed(used.iter().map(|column| name(*column)))),
             (None, [first, .., last]) => {
@@ -371,6 +407,10 @@ impl Layout {
             let unit = unit.map(|(unit, _)| format!(" in {unit}")).unwrap_or_default();
             taken += &format!(", {what} by {}{unit}", listed(columns().map(name)));
             used.extend(columns());
+        }
+        if let Some(pose) = &self.pose {
+            taken += &format!(", {} are the odometry", listed(pose.columns.iter().map(|column| name(*column))));
+            used.extend(pose.columns);
         }
         if !self.fields.is_empty() {
             taken += &format!(", {} state the geometry", listed(self.fields.iter().map(|(column, _)| name(*column))));
@@ -411,6 +451,12 @@ impl Name {
             } else {
                 break;
             }
+        }
+        // A unit alone names what has that unit.
+        let is_of = |units: &[(&str, f64)]| units.iter().any(|(unit, _)| *unit == rest);
+        if unit.is_empty() && number.is_none() && (is_of(&UNITS_M) || is_of(&UNITS_RAD)) {
+            let stem = if is_of(&UNITS_M) { "range" } else { "angle" };
+            unit = std::mem::replace(&mut rest, stem.to_owned());
         }
         let (parent, stem) = rest.rsplit_once(['.', '/', ':']).unwrap_or(("", &rest));
         let stem: String = stem.trim_start_matches(|c: char| !c.is_alphanumeric()).replace(' ', "_");
@@ -456,7 +502,7 @@ fn bearings_rad(bearings: &[f64]) -> Option<[f64; 2]> {
 /// they lie in this century or are in seconds, unless a scan would take too long by that.
 fn unit_ns(mut times: impl Iterator<Item = f64> + Clone, known_ns: Option<f64>, longest_ns: f64) -> f64 {
     let steps = times.clone().zip(times.clone().skip(1)).map(|(before, after)| after - before);
-    let step = usual(steps.filter(|step| *step > 0.0).collect()).unwrap_or(0.0);
+    let step = usual(steps.filter(|step| *step > 0.0)).unwrap_or(0.0);
     let first = times.next().unwrap_or(f64::NAN);
     if let Some(known_ns) = known_ns.filter(|known_ns| *known_ns > 0.0) {
         let off = |unit_ns: f64| (first * unit_ns / known_ns).ln().abs();

@@ -7,13 +7,15 @@ use std::f64::consts::{PI, TAU};
 
 use crosscut_messages::{Cloud, LaserScan};
 
+use crate::order::{at_share, usual};
+
 /// Units of ranges and places in names, metres.
 pub(super) const UNITS_M: [(&str, f64); 6] =
     [("mm", 1e-3), ("cm", 1e-2), ("m", 1.0), ("in", 0.0254), ("inches", 0.0254), ("ft", 0.3048)];
 /// Fewer rows do not show what they hold, and are no turn.
 const LEAST_ROWS: usize = 8;
 /// Angles are in radians up to this, in degrees up to that, and else in hundredths of a degree.
-const LARGEST_RAD: f64 = 6.4;
+pub(super) const LARGEST_RAD: f64 = 6.4;
 const LARGEST_DEG: f64 = 400.0;
 /// A number that is this many times as large as nine of ten angles is none.
 const FAR_OFF: f64 = 3.0;
@@ -88,6 +90,8 @@ pub(super) struct Row {
     /// 1 where the angle rises towards this row, -1 where it falls, 0 of the first.
     way: f64,
     pub(super) times_ns: [Option<u64>; 2],
+    /// Where the vehicle is by this row.
+    pub(super) pose: Option<[f64; 3]>,
 }
 
 impl Row {
@@ -115,9 +119,8 @@ impl List {
         if rows.len() < LEAST_ROWS {
             return None;
         }
-        let mut sizes: Vec<f64> = rows.iter().map(|row| row.values[0].abs()).collect();
-        sizes.sort_by(f64::total_cmp);
-        let most = if columns.are_points { f64::INFINITY } else { FAR_OFF * sizes[sizes.len() * 9 / 10] };
+        let nine_of_ten = at_share(rows.iter().map(|row| row.values[0].abs()), 0.9)?;
+        let most = if columns.are_points { f64::INFINITY } else { FAR_OFF * nine_of_ten };
         rows.retain(|row| row.values[0].abs() <= most);
         let largest = rows.iter().fold(0.0, |largest: f64, row| largest.max(row.values[0].abs()));
         let falls = |pair: &[Row]| (pair[0].values[0] - pair[1].values[0]).abs() > 0.5 * largest;
@@ -128,9 +131,7 @@ impl List {
         let mut list =
             Self { columns, unit_rad: columns.unit_rad.unwrap_or(by_size), direction: 1.0, ..Self::default() };
         list.most = if counts_on { f64::INFINITY } else { most };
-        let mut ranges: Vec<f64> = rows.iter().map(|row| list.distance(row)).filter(|range| *range > 0.0).collect();
-        ranges.sort_by(f64::total_cmp);
-        let middle = ranges.get(ranges.len() / 2).copied().unwrap_or(0.0);
+        let middle = usual(rows.iter().map(|row| list.distance(row)).filter(|range| *range > 0.0)).unwrap_or(0.0);
         list.unit_m = columns.unit_m.unwrap_or(if middle >= LARGEST_M { 1e-3 } else { 1.0 });
         list.find_turns(&mut rows)?;
         Some(list)
@@ -163,9 +164,9 @@ impl List {
         }
         let steps =
             |rows: &[Row]| rows.windows(2).map(|pair| pair[1].angle_rad - pair[0].angle_rad).collect::<Vec<_>>();
-        let usual = steps(rows).into_iter().filter(|step| step.abs() <= 0.5 * span_rad && *step != 0.0);
-        let (up, usual) = (usual.clone().filter(|step| *step > 0.0).count(), usual.count());
-        if 2 * up < usual {
+        let small = steps(rows).into_iter().filter(|step| step.abs() <= 0.5 * span_rad && *step != 0.0);
+        let (up, small) = (small.clone().filter(|step| *step > 0.0).count(), small.count());
+        if 2 * up < small {
             self.direction = -1.0;
             [least_rad, span_rad] = self.take_angles(rows);
         }
@@ -178,7 +179,7 @@ impl List {
             [least_rad, span_rad] = self.take_angles(rows);
         }
         let jumps = steps(rows).into_iter().filter(|step| step * self.direction < -0.5 * span_rad).count();
-        let goes_one_way = up.max(usual - up) as f64 >= ONE_WAY_SHARE * usual as f64;
+        let goes_one_way = up.max(small - up) as f64 >= ONE_WAY_SHARE * small as f64;
         let has_jumps = self.columns.turn.is_none() && goes_one_way && rows.len() > LEAST_ROWS * jumps;
         self.jump_rad = has_jumps.then_some(0.5 * span_rad);
         (1..rows.len()).for_each(|at| rows[at].way = rows[at].way_after(&rows[at - 1]));
@@ -190,12 +191,10 @@ impl List {
             let mut angles: Vec<f64> = turn.iter().map(|row| row.angle_rad).collect();
             angles.sort_by(f64::total_cmp);
             gaps.extend(angles.windows(2).map(|pair| pair[1] - pair[0]).filter(|gap| *gap > 1e-9));
-            sizes.push(turn.len());
+            sizes.push(turn.len() as f64);
         }
-        gaps.sort_by(f64::total_cmp);
-        sizes.sort_unstable();
-        self.usual = sizes[sizes.len() / 2];
-        let step_rad = gaps.get(gaps.len() / 2).copied().unwrap_or(TAU).max(TAU / MOST_ROWS as f64);
+        self.usual = usual(sizes)? as usize;
+        let step_rad = usual(gaps).unwrap_or(TAU).max(TAU / MOST_ROWS as f64);
         let is_full = span_rad + 2.0 * step_rad + SHORT_RAD >= TAU;
         let all_rad = if is_full { TAU } else { span_rad };
         let steps = (all_rad / step_rad).round().max(1.0);
@@ -224,8 +223,13 @@ impl List {
     }
 
     /// Takes a row; gives the turn before it, with its first row and the time that it took, if this one begins another.
-    pub(super) fn take(&mut self, value: impl Fn(usize) -> f64, times_ns: [Option<u64>; 2]) -> Option<(Seen, Row)> {
-        let mut row = Row { times_ns, ..Self::row(&self.columns, value) };
+    pub(super) fn take(
+        &mut self,
+        value: impl Fn(usize) -> f64,
+        times_ns: [Option<u64>; 2],
+        pose: Option<[f64; 3]>,
+    ) -> Option<(Seen, Row)> {
+        let mut row = Row { times_ns, pose, ..Self::row(&self.columns, value) };
         let last_rad = self.rows.last().map_or(0.0, |last| last.angle_rad);
         row.angle_rad = self.angle_rad(&row).unwrap_or(last_rad);
         row.way = self.rows.last().map_or(0.0, |last| row.way_after(last));
@@ -347,14 +351,13 @@ fn is_angle(angles: &[f64]) -> Option<bool> {
     let [least, most] = angles.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(*v), b.max(*v)]);
     let (span, largest) = (most - least, most.abs().max(least.abs()));
     let steps = angles.windows(2).map(|pair| pair[1] - pair[0]);
-    let mut usual: Vec<f64> = steps.filter(|step| step.abs() <= 0.5 * span && *step != 0.0).collect();
-    let up = usual.iter().filter(|step| **step > 0.0).count();
-    usual.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
-    let middle = usual.get(usual.len() / 2)?.abs();
-    let even = usual.iter().filter(|step| (middle / 3.0..=middle * 3.0).contains(&step.abs())).count();
-    let others = angles.len() - 1 - usual.len();
+    let small: Vec<f64> = steps.filter(|step| step.abs() <= 0.5 * span && *step != 0.0).collect();
+    let up = small.iter().filter(|step| **step > 0.0).count();
+    let middle = usual(small.iter().map(|step| step.abs()))?;
+    let even = small.iter().filter(|step| (middle / 3.0..=middle * 3.0).contains(&step.abs())).count();
+    let others = angles.len() - 1 - small.len();
     let is_wide = largest <= LARGEST_DEG && span >= if largest <= LARGEST_RAD { 1.0 } else { 60.0 };
-    let is_share = |count: usize, share: f64| count as f64 >= share * usual.len() as f64;
-    let goes_round = is_share(up.max(usual.len() - up), ONE_WAY_SHARE) && is_share(even, EVEN_SHARE);
-    (is_wide && goes_round && usual.len() >= LEAST_ROWS * others.max(1)).then_some(others > 0)
+    let is_share = |count: usize, share: f64| count as f64 >= share * small.len() as f64;
+    let goes_round = is_share(up.max(small.len() - up), ONE_WAY_SHARE) && is_share(even, EVEN_SHARE);
+    (is_wide && goes_round && small.len() >= LEAST_ROWS * others.max(1)).then_some(others > 0)
 }

@@ -10,13 +10,14 @@ use std::io::{self, BufReader, Seek as _};
 use std::path::Path;
 
 use crosscut_messages::{
-    CDR_ENCODING, Endian, Header, LaserScan, Message as _, POINTS_TOPIC, PointCloud2, SCAN_TOPIC, SCHEMA_ENCODING, Time,
+    Endian, Header, LaserScan, Message as _, NS_PER_S, Odometry, POINTS_TOPIC, PointCloud2, SCAN_TOPIC, Time,
 };
 use crosscut_sensor::{CsvGeometry, rescale};
 use csv::StringRecord;
 
-use self::layout::{Layout, NS_PER_S};
+use self::layout::Layout;
 use self::list::{List, Row, Seen};
+use super::carmen::odometry;
 use super::lines::{Line, LineFormat, next_line};
 use super::resting_file::RestingFile;
 use super::{ChannelId, Message, Topic};
@@ -26,12 +27,17 @@ use crate::{Found, IngestError};
 const SCANS: ChannelId = 0;
 /// What a row of a list that cannot be read is lost of: it is no message.
 const ROWS: ChannelId = 1;
+const ODOMETRY: ChannelId = 2;
 /// This many rows show what the columns hold; less, if they take more than that.
 const SAMPLED_ROWS: usize = 64;
 const SAMPLED_BYTES: usize = 16 << 20;
 /// Of rows that are as short as those of a list, this many bytes do.
 const LIST_BYTES: usize = 1 << 19;
 const SHORT_BYTES: usize = 160;
+/// Lines of words between turns are fewer than rows by this factor.
+const LEAST_BETWEEN: usize = 4;
+/// Around the numbers of a row, or of a list in a cell.
+const BRACKETS: [char; 4] = ['[', ']', '(', ')'];
 /// The words that stand for no number, in small letters.
 const NO_NUMBER: [&str; 6] = ["", "na", "n/a", "none", "null", "-"];
 /// Ranges may be this many more or fewer than the angles of their row state, beside this share of them.
@@ -44,9 +50,11 @@ pub(super) struct Table {
     dialect: Dialect,
     layout: Layout,
     list: Option<List>,
-    /// Line of the first row, and the line with the names, which may come again where files were joined.
+    /// Line of the first row.
     first_row: u64,
-    header: Option<String>,
+    /// The [`shape`] of lines that are no rows: of the names, which may come again where files were joined, or of words
+    /// between turns.
+    between: Option<String>,
 }
 
 impl Table {
@@ -55,9 +63,11 @@ impl Table {
     /// # Errors
     /// When its rows are no scans, or neither it nor `settings` say where their beams look.
     pub(super) fn look(path: &Path, file: &mut RestingFile, settings: &CsvGeometry) -> Result<Self, IngestError> {
-        let lines = first_lines(file).map_err(|source| IngestError::cannot_open(path, source))?;
-        let (table, rows) =
-            Self::of(lines, settings).map_err(|found| IngestError::NotRecording { path: path.to_owned(), found })?;
+        let mut lines = first_lines(file).map_err(|source| IngestError::cannot_open(path, source))?;
+        let between = between(&lines);
+        lines.retain(|line| between.as_ref() != Some(&shape(&line.text)));
+        let (table, rows) = Self::of(lines, settings, between)
+            .map_err(|found| IngestError::NotRecording { path: path.to_owned(), found })?;
         // A scan of which the directions are not stated has none.
         let states_directions = |line: &Line| {
             table.scan(line).is_ok_and(|(scan, _)| scan.angle_min.is_finite() && scan.angle_max.is_finite())
@@ -70,7 +80,7 @@ impl Table {
     }
 
     /// By its first lines that are not blank; with those of them that are rows.
-    fn of(mut lines: Vec<Line>, settings: &CsvGeometry) -> Result<(Self, Vec<Line>), Found> {
+    fn of(mut lines: Vec<Line>, settings: &CsvGeometry, between: Option<String>) -> Result<(Self, Vec<Line>), Found> {
         let comments = lines.iter().take_while(|line| is_comment(&line.text)).count();
         let comment = lines.drain(..comments).next_back();
         lines.retain(|line| !is_comment(&line.text));
@@ -99,6 +109,8 @@ impl Table {
         } else if let Some(header) = &header {
             let names: Vec<_> = dialect.cells(names_in(&header.text)).iter().map(str::to_owned).collect();
             Layout::named(names, &rows)?
+        } else if dialect.has_labels {
+            Layout::named(labelled(&first.text).map(|(label, _)| label.to_owned()).collect(), &rows)?
         } else {
             let mut words: Vec<bool> = cells.iter().map(is_word).collect();
             for line in lines.iter().take(SAMPLED_ROWS) {
@@ -110,32 +122,37 @@ impl Table {
             List::of(columns, &rows).ok_or(if columns.are_points { Found::PointTable } else { Found::AngleTable })
         });
         let list = list.transpose()?;
-        let header = header.map(|header| header.text);
+        let between = between.or(header.map(|header| shape(&header.text)));
         let mut settings = settings.clone();
         if let Some([first_rad, last_rad]) = layout.bearings_rad.filter(|_| !settings.is_known()) {
             (settings.first_rad, settings.last_rad) = (first_rad, last_rad);
         }
-        let table = Self { settings, dialect, layout, list, first_row: first.number, header };
+        let table = Self { settings, dialect, layout, list, first_row: first.number, between };
         if table.layout.is_echo && table.scan(first).is_err() {
             return Err(Found::OtherTable(String::new()));
         }
         Ok((table, lines))
     }
 
-    /// The scan in a row, and when it was recorded. Angles are NaN where nothing states them.
-    fn scan(&self, line: &Line) -> Result<(LaserScan, u64), String> {
-        let Self { layout, settings, .. } = self;
-        let row = self.dialect.cells(&line.text);
+    /// The cells of a row, and whether there are as many as in the first one, which rows whose ranges vary need not have.
+    fn row<'a>(&self, row: &'a StringRecord, is_ended: bool) -> Result<(Vec<&'a str>, bool), String> {
+        let (layout, columns) = (&self.layout, self.layout.names.len());
         let mut cells: Vec<&str> = row.iter().collect();
-        let columns = layout.names.len();
         if (cells.len() != columns || layout.is_echo) && cells.last() == Some(&"") {
             cells.pop(); // some writers end every row by a separator
         }
         let is_whole = cells.len() == columns;
-        let may_vary = || layout.varies && line.is_ended && cells.len() > layout.ranges[0];
-        if !is_whole && !may_vary() {
+        if !is_whole && !(layout.varies && is_ended && cells.len() > layout.ranges[0]) {
             return Err(format!("it has {} columns, the first line has {columns}", cells.len()));
         }
+        Ok((cells, is_whole))
+    }
+
+    /// The scan in a row, and when it was recorded. Angles are NaN where nothing states them.
+    fn scan(&self, line: &Line) -> Result<(LaserScan, u64), String> {
+        let Self { layout, settings, .. } = self;
+        let row = self.dialect.cells(&line.text);
+        let (cells, is_whole) = self.row(&row, line.is_ended)?;
         let mut scan = LaserScan { range_max: f32::INFINITY, ..LaserScan::default() };
         (scan.angle_min, scan.angle_max, scan.angle_increment) = (f32::NAN, f32::NAN, f32::NAN);
         for &(column, field) in &layout.fields {
@@ -144,7 +161,7 @@ impl Table {
         }
         scan.ranges = match layout.list {
             Some(list) => {
-                let list = cells[list].trim_matches(|c| "[]()".contains(c));
+                let list = cells[list].trim_matches(BRACKETS);
                 self.ranges(list.split([',', ' ']).map(str::trim).filter(|cell| !cell.is_empty()))?
             }
             None if is_whole && !layout.is_echo => self.ranges(layout.ranges.iter().map(|column| cells[*column]))?,
@@ -176,16 +193,10 @@ impl Table {
     }
 
     /// The turn before the row of a list, if that row begins another.
-    fn take_row(&mut self, line: &Line) -> Result<Option<Message>, String> {
+    fn take_row(&mut self, line: &Line) -> Result<Option<(Seen, Row)>, String> {
         let row = self.dialect.cells(&line.text);
-        let mut cells: Vec<&str> = row.iter().collect();
-        let columns = self.layout.names.len();
-        if cells.len() == columns + 1 && cells.last() == Some(&"") {
-            cells.pop(); // some writers end every row by a separator
-        }
-        if cells.len() != columns {
-            return Err(format!("it has {} columns, the first line has {columns}", cells.len()));
-        }
+        let (cells, _) = self.row(&row, line.is_ended)?;
+        let pose = self.pose(&cells);
         let time = |time: Option<layout::Time>| time.map(|time| self.time_ns(time, &cells)).transpose();
         let times_ns = [time(self.layout.stamp)?, time(self.layout.recorded)?];
         let number = |column: usize| self.dialect.number(cells[column]);
@@ -197,12 +208,18 @@ impl Table {
         if !number(list.columns.first).is_some_and(|first| list.may_be(first)) {
             return Err(format!("`{:.20}` is no angle", cells[list.columns.first]));
         }
-        let turn = list.take(|column| number(column).unwrap_or(f64::NAN), times_ns);
-        Ok(turn.map(|turn| self.message(turn)))
+        Ok(list.take(|column| number(column).unwrap_or(f64::NAN), times_ns, pose))
     }
 
-    /// The turn of a list that this row is the first of.
-    fn message(&self, (seen, first): (Seen, Row)) -> Message {
+    /// The pose of the vehicle in a row: x, y in metres and yaw in radians.
+    fn pose(&self, cells: &[&str]) -> Option<[f64; 3]> {
+        let pose = self.layout.pose.as_ref()?;
+        let number = |at: usize| Some(self.dialect.number(cells.get(pose.columns[at])?)? * pose.units[at]);
+        Some([number(0)?, number(1)?, number(2)?]).filter(|pose| pose.iter().all(|number| number.is_finite()))
+    }
+
+    /// The turn of a list that this row is the first of, behind the odometry of that row.
+    fn give(&self, (seen, first): (Seen, Row), out: &mut VecDeque<Message>) {
         let turns = self.list.as_ref().map_or(1, |list| list.turns);
         let [stamp_ns, recorded_ns] = first.times_ns;
         let stamp_ns = stamp_ns.unwrap_or_else(|| (turns as f64 * NS_PER_S / self.settings.rate_hz).round() as u64);
@@ -217,7 +234,9 @@ impl Table {
                 PointCloud2::from(&cloud).encode(Endian::Little)
             }
         };
-        Message { channel: SCANS, log_time_ns: recorded_ns.unwrap_or(stamp_ns), data, damage: None }
+        let log_time_ns = recorded_ns.unwrap_or(stamp_ns);
+        out.extend(first.pose.map(|pose| odometry_at(pose, stamp_ns, log_time_ns)));
+        out.push_back(Message { channel: SCANS, log_time_ns, data, damage: None });
     }
 
     fn ranges<'a>(&self, cells: impl Iterator<Item = &'a str>) -> Result<Vec<f32>, String> {
@@ -272,29 +291,37 @@ impl LineFormat for Table {
         let are_points = self.list.as_ref().is_some_and(|list| list.columns.are_points);
         let [topic, type_name] =
             if are_points { [POINTS_TOPIC, PointCloud2::SCHEMA_NAME] } else { [SCAN_TOPIC, LaserScan::SCHEMA_NAME] };
-        let [name, type_name, encoding, schema_encoding] =
-            [topic, type_name, CDR_ENCODING, SCHEMA_ENCODING].map(str::to_owned);
-        [(SCANS, Topic { name, type_name, encoding, schema_encoding })].into()
+        let odometry = self.layout.pose.as_ref().map(|_| (ODOMETRY, Topic::in_cdr("/odom", Odometry::SCHEMA_NAME)));
+        [(SCANS, Topic::in_cdr(topic, type_name))].into_iter().chain(odometry).collect()
     }
 
     fn read(&mut self, line: &Line, out: &mut VecDeque<Message>) -> Result<(), (ChannelId, String)> {
         match &mut self.list {
             Some(list) if line.number == self.first_row => list.restart(),
             Some(list) if line.number == Line::END => {
-                let last = list.turn();
-                out.extend(last.map(|turn| self.message(turn)));
+                if let Some(last) = list.turn() {
+                    self.give(last, out);
+                }
             }
             _ => {}
         }
         let is_row = line.number >= self.first_row && !line.text.trim().is_empty() && !is_comment(&line.text);
-        if !is_row || self.header.as_ref() == Some(&line.text) {
+        let is_between = |between: &String| line.text.contains(char::is_alphabetic) && shape(&line.text) == *between;
+        if !is_row || self.between.as_ref().is_some_and(is_between) {
             return Ok(());
         }
         if self.list.is_some() {
-            out.extend(self.take_row(line).map_err(|cause| (ROWS, cause))?);
+            if let Some(turn) = self.take_row(line).map_err(|cause| (ROWS, cause))? {
+                self.give(turn, out);
+            }
             return Ok(());
         }
         let (scan, log_time_ns) = self.scan(line).map_err(|cause| (SCANS, cause))?;
+        if self.layout.pose.is_some() {
+            let pose = self.pose(&self.dialect.cells(&line.text).iter().collect::<Vec<_>>());
+            let stamp_ns = scan.header.stamp.to_ns().unwrap_or(log_time_ns);
+            out.extend(pose.map(|pose| odometry_at(pose, stamp_ns, log_time_ns)));
+        }
         out.push_back(Message { channel: SCANS, log_time_ns, data: scan.encode(Endian::Little), damage: None });
         Ok(())
     }
@@ -324,6 +351,46 @@ fn is_comment(line: &str) -> bool {
     line.starts_with(['#', '%'])
 }
 
+/// The odometry in a row.
+fn odometry_at(pose: [f64; 3], stamp_ns: u64, log_time_ns: u64) -> Message {
+    Message { log_time_ns, ..odometry(ODOMETRY, pose, [0.0; 2], stamp_ns) }
+}
+
+/// The shape of lines of words that come again and again between rows: that of the first line, unless the line has the names.
+fn between(lines: &[Line]) -> Option<String> {
+    let mut rows = lines.iter().filter(|line| !is_comment(&line.text));
+    let (first, next) = (rows.next()?, rows.next()?);
+    let (dialect, between) = (Dialect::of(&next.text), shape(&first.text));
+    let [words, below] = [first, next].map(|line| {
+        let cells = dialect.cells(&line.text);
+        cells.iter().map(|cell| dialect.number(cell).is_none()).collect::<Vec<_>>()
+    });
+    let again: Vec<_> = rows.clone().filter(|line| shape(&line.text) == between).collect();
+    let is_header = words.len() == below.len() && again.iter().all(|line| line.text == first.text);
+    // A row may have a word of its own, as a label.
+    let is_row = words.len() == below.len() && words.iter().zip(&below).all(|(word, below)| !word || *below);
+    let are_words = 2 * words.iter().filter(|word| **word).count() >= words.len() && below.contains(&false);
+    let is_between = !again.is_empty() && LEAST_BETWEEN * again.len() < rows.count() && are_words;
+    (is_between && !is_header && !is_row).then_some(between)
+}
+
+/// A line without its numbers.
+fn shape(line: &str) -> String {
+    line.chars().filter(|c| !c.is_ascii_digit() && !".+-".contains(*c)).collect()
+}
+
+/// The words of a row that stand before a number each, as in `theta: 1.5 Dist: 2.0`, with these numbers.
+fn labelled(line: &str) -> impl Iterator<Item = (&str, &str)> {
+    let parts = || line.split([':', '=']);
+    let pairs = parts().zip(parts().skip(1));
+    let pairs = pairs.filter_map(|(before, behind)| Some((words(before).next_back()?, words(behind).next()?)));
+    pairs.filter(|(label, number)| label.starts_with(char::is_alphabetic) && number.parse::<f64>().is_ok())
+}
+
+fn words(text: &str) -> impl DoubleEndedIterator<Item = &str> {
+    text.split(|c: char| c.is_whitespace() || "{}[]()\",;".contains(c)).filter(|word| !word.is_empty())
+}
+
 /// The names of a header, which may be a comment. `rostopic echo -p` begins it with `%time`.
 fn names_in(header: &str) -> &str {
     header.trim_start_matches(['#', ' '])
@@ -334,6 +401,8 @@ fn names_in(header: &str) -> &str {
 struct Dialect {
     /// `None` stands for any blanks.
     separator: Option<u8>,
+    /// Each number stands behind its name, and nothing else counts.
+    has_labels: bool,
 }
 
 impl Dialect {
@@ -342,19 +411,25 @@ impl Dialect {
         let separator = [b';', b'\t'].into_iter().find(|separator| row.trim().contains(char::from(*separator)));
         let has_decimal_commas = || {
             let mut words = row.split_whitespace();
-            let is_number = |word: &str| Self { separator: None }.number(word).is_some() && !word.ends_with(',');
+            let blanks = Self { separator: None, has_labels: false };
+            let is_number = |word: &str| blanks.number(word).is_some() && !word.ends_with(',');
             words.clone().count() > 1 && words.all(is_number)
         };
-        Self { separator: separator.or_else(|| (row.contains(',') && !has_decimal_commas()).then_some(b',')) }
+        let separator = separator.or_else(|| (row.contains(',') && !has_decimal_commas()).then_some(b','));
+        Self { separator, has_labels: labelled(row).count() > 1 }
     }
 
     /// Its separator in words.
     fn name(self) -> String {
-        self.separator.map_or("blanks".to_owned(), |separator| format!("`{}`", separator.escape_ascii()))
+        let by = |separator: u8| format!("`{}`", separator.escape_ascii());
+        if self.has_labels { "their names".to_owned() } else { self.separator.map_or("blanks".to_owned(), by) }
     }
 
     /// The cells of a line, without quotes and blanks around them.
     fn cells(self, line: &str) -> StringRecord {
+        if self.has_labels {
+            return labelled(line).map(|(_, number)| number).collect();
+        }
         // The crate builds a reader for each line, which takes longer than to read a short one.
         if !line.contains('"') {
             return match self.separator {
@@ -373,6 +448,7 @@ impl Dialect {
     /// The number in a cell; NaN where it says that there is none. Where commas do not separate cells, they may be
     /// decimal signs.
     fn number(self, cell: &str) -> Option<f64> {
+        let cell = cell.trim_matches(BRACKETS);
         let is_none = || NO_NUMBER.contains(&cell.to_ascii_lowercase().as_str()).then_some(f64::NAN);
         let with_point = || cell.replace(',', ".").parse().ok().filter(|_| self.separator != Some(b','));
         cell.parse().ok().or_else(with_point).or_else(is_none)
