@@ -211,7 +211,9 @@ impl ScanMatcher {
         let mut points_m = std::mem::take(&mut self.points_m);
         points_m.clear();
         points_m.extend(&revolution.points_m);
-        self.unaided.leave_out_vehicle(&mut points_m);
+        if predicted.is_none() {
+            self.unaided.leave_out_vehicle(&mut points_m);
+        }
         let every = points_m.len().div_ceil(MOST_POINTS).max(1);
         line_points(&points_m, every, &mut self.line_points);
         let steady = self.steady_motion();
