@@ -202,10 +202,7 @@ fn directions_of_a_driver_are_told_from_bad_odometry() {
     let Some(path) = case("U09-turned-or-mirrored/turned180.mcap") else { return };
     for (set, setting) in [
         ("ingest.yaw_rad=0", "turned by 180 degrees: a direction is wrong, no motion; ingest.yaw_rad = -3.141 turns"),
-        (
-            "ingest.yaw_rad=2.356",
-            "turned by 135 degrees: a direction is wrong, no motion; ingest.yaw_rad = 3.141 turns",
-        ),
+        ("ingest.yaw_rad=2.356", "turned by -45 degrees: a direction is wrong, no motion; ingest.yaw_rad = "),
         ("ingest.yaw_rad=3.14159", ""),
     ] {
         let (_, lines) = results_of(&path, &["--set", set]);

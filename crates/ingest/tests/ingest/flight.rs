@@ -10,7 +10,6 @@ use crosscut_sensor::{PARAMS, Sensor, VEHICLE_PARAMS};
 use crosscut_stage::{Notes, Params, Revolution, Source, Value};
 use mcap::records::MessageHeader;
 use mcap::{Compression, WriteOptions};
-use nalgebra::Isometry2;
 
 pub(crate) const START_NS: u64 = 1_700_000_000_000_000_000;
 pub(crate) const STEP_NS: u64 = 100_000_000;
@@ -184,7 +183,6 @@ pub(crate) struct Read {
     /// Ranges of each revolution, bit by bit.
     pub(crate) ranges: Vec<Vec<u32>>,
     pub(crate) notes: Vec<Vec<String>>,
-    pub(crate) odometry: Vec<Option<Isometry2<f64>>>,
 }
 
 impl Read {
@@ -206,7 +204,6 @@ pub(crate) fn drain(recording: &mut Recording) -> Read {
         let sweep = revolution.sweep.as_ref().expect("a scan has beams");
         out.ranges.push(sweep.ranges_m.iter().map(|range| range.to_bits()).collect());
         out.notes.push(notes.iter().map(str::to_owned).collect());
-        out.odometry.push(revolution.odometry);
     }
 }
 
@@ -222,6 +219,5 @@ pub(crate) fn expected(count: u64) -> Read {
         stamps_ns: (0..count).map(time_ns).collect(),
         ranges: (0..count).map(|i| scan(i).ranges.iter().map(|range| range.to_bits()).collect()).collect(),
         notes: vec![Vec::new(); count as usize],
-        odometry: vec![None; count as usize],
     }
 }

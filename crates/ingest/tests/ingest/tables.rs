@@ -1,7 +1,8 @@
 //! What the columns of a table are taken for.
 
 use crosscut_ingest::{CSV_PARAMS, CsvGeometry, Found, IngestError, ReadOptions, Recording, describe};
-use crosscut_stage::{Params, Value};
+use crosscut_stage::{Notes, Params, Revolution, Source as _, Value};
+use nalgebra::Isometry2;
 
 use crate::flight::{Folder, Read, drain, sensor};
 
@@ -321,19 +322,31 @@ fn columns_of_words_are_left_out_aloud() {
     assert_eq!(scans(&rows).len(), 21, "a label that changes is no line between rows");
 }
 
+/// The pose by odometry of each scan of a table.
+fn odometry(text: &str) -> Vec<Option<Isometry2<f64>>> {
+    let folder = Folder::new();
+    let path = folder.add("table.csv", text.as_bytes());
+    let mut recording = Recording::open(&[path], &options(""), sensor(&[])).expect("a table");
+    let (mut poses, mut revolution) = (Vec::new(), Revolution::default());
+    while recording.next(&mut revolution, &mut Notes::default()).expect("it goes on") {
+        poses.push(revolution.odometry);
+    }
+    poses
+}
+
 #[test]
 fn columns_of_a_pose_are_the_odometry() {
     let ranges = row(8, ",");
     let rows = |i: i32| format!("{},{ranges},{}\n", f64::from(i) * 0.5, 90);
     let text: String = (0..9).map(|i| format!("{i},{}", rows(i))).collect();
     let names: String = (0..8).map(|i| format!("r{i},")).collect();
-    let read = scans(&format!("time_s,robot_x,{names}heading_deg\n{text}"));
-    assert!(read.odometry.iter().all(Option::is_none), "no y");
-    let read = scans(&format!("time_s,x,{names}heading_deg,y\n{}", text.replace('\n', ",2\n")));
-    let pose = read.odometry[4].expect("a pose");
+    let without_y = odometry(&format!("time_s,robot_x,{names}heading_deg\n{text}"));
+    assert!(without_y.len() == 9 && without_y.iter().all(Option::is_none));
+    let poses = odometry(&format!("time_s,x,{names}heading_deg,y\n{}", text.replace('\n', ",2\n")));
+    let pose = poses[4].expect("a pose");
     assert!((pose.translation.x - 2.0).abs() < 1e-6 && (pose.translation.y - 2.0).abs() < 1e-6, "{pose:?}");
     assert!((pose.rotation.angle() - std::f64::consts::FRAC_PI_2).abs() < 1e-6, "{pose:?}");
     let of_list = list(4, |turn, deg, m| format!("{},{turn},1,0.5,{deg},{m}", 100 * turn));
-    let read = scans(&format!("time_ms,pose_x,pose_y,pose_theta,angle,distance\n{of_list}"));
-    assert_eq!(read.odometry.iter().flatten().count(), read.len());
+    let poses = odometry(&format!("time_ms,pose_x,pose_y,pose_theta,angle,distance\n{of_list}"));
+    assert_eq!(poses.iter().flatten().count(), 4);
 }
