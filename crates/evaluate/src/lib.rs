@@ -102,6 +102,7 @@ mod scoreboard;
 pub mod stage_values;
 pub mod tables;
 pub mod times;
+pub mod tolerance;
 mod variants;
 pub mod verdict;
 

@@ -20,7 +20,8 @@ pub struct Change {
     pub eigenvalue: f64,
     /// The distance from τ to that eigenvalue, in decades.
     pub decades: f64,
-    /// The walls concerned: one that would break, or two that would join; empty if no single edge explains the change.
+    /// The walls concerned: one that would break, or two that would join; without an edge that explains the change, the two
+    /// that are nearest to being one by U, or none.
     pub walls: Vec<u32>,
     /// The edge that explains the eigenvalue, if one does.
     pub edge: Option<Edge>,
@@ -33,8 +34,7 @@ pub struct Change {
 pub(crate) fn changes(frame: &Frame, walls: &[WallEdges]) -> Vec<Change> {
     let spectrum = &frame.spectrum;
     let sigma = sigma_of_weights(frame, walls);
-    let mut changes: Vec<Change> =
-        [one_more(spectrum, walls), one_less(spectrum, frame.revolution.len(), walls)].into_iter().flatten().collect();
+    let mut changes: Vec<Change> = [one_more(spectrum, walls), one_less(frame, walls)].into_iter().flatten().collect();
     for change in &mut changes {
         let sigma_at_change =
             |edge: Edge| sigma_of(frame, edge, edge.weight * (spectrum.tolerance / change.eigenvalue));
@@ -64,7 +64,8 @@ fn one_more(spectrum: &Spectrum, walls: &[WallEdges]) -> Option<Change> {
 }
 
 /// τ below λ_k: the wall with the largest quotient joins another one. No τ is below a zero that is rounding error.
-fn one_less(spectrum: &Spectrum, n: usize, walls: &[WallEdges]) -> Option<Change> {
+fn one_less(frame: &Frame, walls: &[WallEdges]) -> Option<Change> {
+    let (spectrum, n) = (&frame.spectrum, frame.revolution.len());
     let k = spectrum.k.checked_sub(1)?;
     let eigenvalue = *spectrum.eigenvalues.get(k)?;
     if eigenvalue <= n as f64 * f64::EPSILON {
@@ -75,14 +76,35 @@ fn one_less(spectrum: &Spectrum, n: usize, walls: &[WallEdges]) -> Option<Change
     let joined = least_apart
         .filter(|wall| agrees(wall.parts_at, eigenvalue))
         .and_then(|wall| Some((wall.wall, wall.strongest?)));
+    let by_rows = || nearest_by_rows(frame).map_or_else(Vec::new, |pair| pair.to_vec());
     Some(Change {
         k,
         eigenvalue,
         decades: (spectrum.tolerance / eigenvalue).log10(),
-        walls: joined.map_or_else(Vec::new, |(wall, (to, _))| vec![wall, to]),
+        walls: joined.map_or_else(by_rows, |(wall, (to, _))| vec![wall, to]),
         edge: joined.map(|(_, (_, edge))| edge),
         sigma_per_m2: None,
     })
+}
+
+/// The two walls whose mean rows in the first k - 1 columns of U point most in one direction, or in opposite ones: without the last
+/// eigenvector they are the first to be taken for one.
+fn nearest_by_rows(frame: &Frame) -> Option<[u32; 2]> {
+    let (u, wall_of) = (&frame.spectrum.u, &frame.junction.wall_of_return);
+    let columns = u.ncols().checked_sub(1).filter(|columns| *columns > 0 && u.nrows() == wall_of.len())?;
+    let counted = frame.junction.walls.iter().filter(|wall| !wall.island);
+    let means: Vec<(u32, Vec<f64>)> = counted
+        .map(|wall| {
+            let rows = || (0..u.nrows()).filter(|&i| wall_of[i] == Some(wall.id));
+            (wall.id, (0..columns).map(|j| rows().map(|i| u[(i, j)]).sum()).collect())
+        })
+        .collect();
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let alike = |a: &[f64], b: &[f64]| dot(a, b).abs() / (dot(a, a) * dot(b, b)).sqrt();
+    let pairs = means.iter().enumerate().flat_map(|(at, a)| means[..at].iter().map(move |b| (a, b)));
+    let pairs =
+        pairs.map(|((a, of_a), (b, of_b))| (alike(of_a, of_b), [*b, *a])).filter(|(alike, _)| alike.is_finite());
+    pairs.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, walls)| walls)
 }
 
 fn agrees(quotient: f64, eigenvalue: f64) -> bool {

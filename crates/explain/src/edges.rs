@@ -5,6 +5,7 @@ use crosscut_stage::Frame;
 use crate::bottleneck::Bottlenecks;
 use crate::change::{self, Change};
 use crate::closest;
+use crate::doubtful::may_be_none;
 use crate::wall_edges::{Edge, WallEdges};
 
 /// The explanation of the count of one revolution.
@@ -16,6 +17,8 @@ pub struct Explanation {
     pub changes: Vec<Change>,
     /// If W has no edge between walls: the two closest returns of different walls, after their walls.
     pub closest: Option<([u32; 2], [usize; 2])>,
+    /// The wall without which the count is one less, if it has few returns or stands free inside a gap.
+    pub may_be_none: Option<u32>,
 }
 
 impl Explanation {
@@ -28,13 +31,7 @@ impl Explanation {
         let changes = change::changes(frame, &walls);
         let apart = walls.len() > 1 && walls.iter().all(|wall| wall.strongest.is_none());
         let closest = apart.then(|| closest::pair(frame)).flatten();
-        Self { walls, changes, closest }
-    }
-
-    /// The strongest edge between two walls, after the numbers of these walls.
-    pub fn strongest(&self) -> Option<([u32; 2], Edge)> {
-        let edges = self.walls.iter().filter_map(|wall| wall.strongest.map(|(to, edge)| ([wall.wall, to], edge)));
-        edges.max_by(|a, b| a.1.weight.total_cmp(&b.1.weight))
+        Self { walls, changes, closest, may_be_none: may_be_none(frame).map(|wall| wall.id) }
     }
 }
 

@@ -20,6 +20,7 @@
 mod bottleneck;
 mod change;
 mod closest;
+mod doubtful;
 mod edges;
 mod sentence;
 mod wall_edges;
@@ -28,6 +29,7 @@ mod words;
 
 pub use change::Change;
 pub use edges::Explanation;
+pub use sentence::Nearest;
 pub use wall_edges::{Edge, WallEdges};
 pub use watch::{Doubt, Event, Watch};
 pub use words::{inequality, widths};

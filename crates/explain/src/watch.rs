@@ -63,6 +63,8 @@ impl fmt::Display for Event {
 /// What is doubtful of an answer, the worst first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Doubt {
+    /// The count is wrong by the truth, and the answer unsure.
+    WrongAndUnsure,
     /// The count is wrong by the truth.
     Wrong,
     /// The confidence was low, and has not recovered since.
@@ -73,11 +75,12 @@ pub enum Doubt {
 
 impl Doubt {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Wrong, Self::Unsure, Self::None];
+    pub const ALL: [Self; 4] = [Self::WrongAndUnsure, Self::Wrong, Self::Unsure, Self::None];
 
     /// Its name.
     pub fn name(self) -> &'static str {
         match self {
+            Self::WrongAndUnsure => "wrong, unsure",
             Self::Wrong => "wrong",
             Self::Unsure => "unsure",
             Self::None => "none",
@@ -127,7 +130,8 @@ impl Watch {
     /// What is doubtful of the last revolution that was watched.
     pub fn doubt(&self) -> Doubt {
         match (self.wrong, self.unsure.is_unsure()) {
-            (Some(_), _) => Doubt::Wrong,
+            (Some(_), true) => Doubt::WrongAndUnsure,
+            (Some(_), false) => Doubt::Wrong,
             (None, true) => Doubt::Unsure,
             (None, false) => Doubt::None,
         }

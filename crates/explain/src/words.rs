@@ -1,6 +1,6 @@
 //! The explanation as text.
 
-use crosscut_stage::{Beam, Frame, KnownGaps, Spectrum, Verdict, counted};
+use crosscut_stage::{Beam, Frame, Junction, KnownGaps, Place, Spectrum, Verdict, counted};
 
 use crate::{Change, Edge, Explanation, WallEdges};
 
@@ -50,7 +50,11 @@ impl Words<'_> {
     fn count(&self) -> String {
         let (k, junction) = (self.frame.spectrum.k, &self.frame.junction);
         let place = junction.place.words();
-        let mut text = format!("Place: {place}. k = {k} zeros of L, {}.", counted(junction.junctions as u64, "wall"));
+        let mut text = format!(
+            "Place: {place}{}. k = {k} zeros of L, {}.",
+            self.place_against_count(),
+            counted(junction.junctions as u64, "wall")
+        );
         let islands = junction.walls.iter().filter(|wall| wall.island).count();
         let small = k.saturating_sub(junction.junctions + islands);
         let beside = [
@@ -62,6 +66,43 @@ impl Words<'_> {
             text += &format!(" k also counts {}.", beside.join(" and "));
         }
         text
+    }
+
+    /// Why the place, which goes by openings, has another number of them than there are walls: ", by its 3 openings; there is none
+    /// between 2 (orange) and 3 (vermilion)". Empty where both numbers agree, and of a view that is not named.
+    fn place_against_count(&self) -> String {
+        let Junction { junctions, walls, openings, wall_of_return, place, .. } = &self.frame.junction;
+        let is_named = !matches!(place, Place::PartialView | Place::Closed);
+        if !is_named || *junctions == openings.len() {
+            return String::new();
+        }
+        let of_return = |i: u32| wall_of_return.get(i as usize).copied().flatten();
+        let parted = |[a, b]: [u32; 2]| {
+            openings.iter().any(|opening| {
+                let gaps = opening.gaps.iter().map(|gap| gap.map(of_return));
+                let mut pairs = gaps.chain([opening.walls.map(Some)]);
+                pairs.any(|pair| pair == [Some(a), Some(b)] || pair == [Some(b), Some(a)])
+            })
+        };
+        let is_island = |id: &u32| walls.get(*id as usize).is_some_and(|wall| wall.island);
+        let around: Vec<u32> = wall_of_return.iter().flatten().copied().filter(|id| !is_island(id)).collect();
+        let pairs = around
+            .windows(2)
+            .map(|pair| [pair[0], pair[1]])
+            .chain(around.last().zip(around.first()).map(|(a, b)| [*a, *b]));
+        let mut closed: Vec<[u32; 2]> = pairs.filter(|[a, b]| a != b).map(|[a, b]| [a.min(b), a.max(b)]).collect();
+        closed.sort_unstable();
+        closed.dedup();
+        closed.retain(|pair| !parted(*pair));
+        let none = closed.iter().map(|[a, b]| format!("between {} and {}", self.wall(*a), self.wall(*b)));
+        let none = none.take(2).collect::<Vec<_>>().join(" nor ");
+        let through = openings.iter().any(|opening| !opening.gaps.is_empty());
+        let why = match (none.is_empty(), through) {
+            (false, _) => format!("; there is none {none}"),
+            (true, true) => "; a wall is seen through one of them, with a gap on both of its sides".to_owned(),
+            (true, false) => "; both sides of one are the same wall".to_owned(),
+        };
+        format!(", by its {}{why}", counted(openings.len() as u64, "opening"))
     }
 
     /// The inequality that gives k, and the margin.
@@ -84,6 +125,10 @@ impl Words<'_> {
             ([a, b], Some(edge)) => {
                 text += &format!(": {} and {} would be joined by {}", self.wall(*a), self.wall(*b), self.edge(edge));
             }
+            ([a, b], None) => {
+                let (a, b) = (self.wall(*a), self.wall(*b));
+                text += &format!(": {a} and {b} are the nearest to being one; no single edge explains it");
+            }
             _ => text += "; no single edge explains it",
         }
         text + "."
@@ -100,19 +145,29 @@ impl Words<'_> {
                 (false, false) => "the wall continues",
                 (false, true) => "the wall continues nevertheless, because its pieces were joined one by one",
             };
-            let between = self.between(verdict.returns.map(|i| i as usize));
+            let returns = verdict.returns.map(|i| i as usize);
+            let between = self.between(returns);
+            let walls = returns.map(|i| self.frame.junction.wall_of_return.get(i).copied().flatten());
+            let whose = match walls {
+                [Some(a), Some(b)] if a != b => format!(" between {} and {}", self.wall(a), self.wall(b)),
+                [Some(a), Some(_)] => format!(" in {}", self.wall(a)),
+                _ => String::new(),
+            };
             let Verdict { room_ratio, reason, measured, .. } = verdict;
-            let odds = verdict.p.map_or(String::new(), |p| format!(", p = {p:.2}"));
+            let overruled = if verdict.is_opening { ", overruled by the rule" } else { "" };
+            let odds =
+                verdict.p.map_or(String::new(), |p| format!(", p = {p:.2}{}", if p < 0.5 { overruled } else { "" }));
             let room = match measured {
                 Some(measured) => format!("**{measured}** ({reason}; {room_ratio:.2})"),
                 None if *room_ratio == 0.0 => format!("a rule forbids an opening ({reason})"),
                 None => format!("**{room_ratio:.2}** times the room that an opening needs ({reason})"),
             };
-            format!("- {what} ({between}): {room}{odds}")
+            format!("- {what}{whose} ({between}): {room}{odds}")
         };
         let lines: Vec<String> = verdicts.iter().take(MOST_VERDICTS).map(line).collect();
         let title = "Verdicts where walls may end, the closest to the threshold first: what decides, by which rule and with how \
-                     many times the room that an opening needs; p is the probability of an opening:";
+                     many times the room that an opening needs; p, the probability of an opening, forbids one below 0.3 where \
+                     something is seen in the gap, else the rule decides:";
         (!lines.is_empty()).then(|| format!("{title}\n{}", lines.join("\n")))
     }
 
@@ -171,11 +226,8 @@ impl Words<'_> {
         lines.join("\n")
     }
 
-    fn wall(&self, wall: u32) -> String {
-        match (self.color_of)(wall) {
-            "" => format!("wall {wall}"),
-            color => format!("{wall} ({color})"),
-        }
+    fn wall(&self, id: u32) -> String {
+        wall(id, (self.color_of)(id))
     }
 
     fn edge(&self, edge: Edge) -> String {
@@ -199,6 +251,11 @@ impl Words<'_> {
     }
 }
 
+/// What a wall is called: "3 (vermilion)"; "wall 3" where it is not drawn.
+pub(crate) fn wall(id: u32, color: &str) -> String {
+    if color.is_empty() { format!("wall {id}") } else { format!("{id} ({color})") }
+}
+
 /// The inequality that gives k: "λ3 7.4e-9 < τ 1.0e-7 ≤ λ4 2.5e-5".
 pub fn inequality(spectrum: &Spectrum) -> String {
     let (k, values) = (spectrum.k, &spectrum.eigenvalues);
@@ -220,7 +277,7 @@ pub fn widths(count: usize, [least_m, most_m]: [f64; 2]) -> String {
 }
 
 /// Formats a value as 1.2e-8, or 0.31 if it is near 1.
-fn power(value: f64) -> String {
+pub(crate) fn power(value: f64) -> String {
     if value == 0.0 || (0.01..10.0).contains(&value.abs()) { format!("{value:.2}") } else { format!("{value:.1e}") }
 }
 

@@ -82,9 +82,8 @@ fn dense_and_sparse_w_are_explained_alike() {
 #[test]
 fn the_strongest_edge_between_walls_joins_the_two_nearest_returns() {
     let explanation = Explanation::of(&gaussian(&PLACES_M, &WALLS, 1.5));
-    let (walls, edge) = explanation.strongest().unwrap();
-    assert_eq!(sorted(Some(edge)), Some([3, 4]));
-    assert!(walls == [0, 1] || walls == [1, 0]);
+    let (to, edge) = explanation.walls[0].strongest.unwrap();
+    assert_eq!((sorted(Some(edge)), to), (Some([3, 4]), 1));
     assert_eq!(edge.weight, (-1.5f64 * 9.0).exp());
     assert_eq!(explanation.closest, None, "given only where W has no edge");
 }
@@ -150,7 +149,7 @@ fn no_tolerance_undoes_a_zero_of_rounding() {
 fn walls_without_edges_between_them_name_their_closest_returns() {
     let frame = sparse(&gaussian(&PLACES_M, &WALLS, 1.5), 1e-3);
     let explanation = Explanation::of(&frame);
-    assert_eq!(explanation.strongest(), None);
+    assert!(explanation.walls.iter().all(|wall| wall.strongest.is_none()));
     assert_eq!(explanation.closest, Some(([0, 1], [3, 4])));
 }
 
@@ -181,8 +180,8 @@ fn the_text_names_beams_distances_weights_and_notes() {
     frame.junction.walls = vec![wall(0, 4), wall(1, 3)];
     let text = Explanation::of(&frame).to_markdown(&frame, &|wall| ["blue", "orange"][wall as usize]);
     for expected in [
-        "## 2 walls.\n\n**It would be 1 if orange and blue were one: the gap between them is 3.0 m. Without orange, which has 3 \
-         returns, it would be 1.**",
+        "## 2 walls.\n\n**Without 1 (orange), which has 3 returns, it would be 1. It would be 1 if 1 (orange) and 0 (blue) were \
+         one: their ends are 3.0 m apart.**",
         "k = 2 zeros of L",
         "beams 4, 5: 3.00 m",
         "beams 2, 4: 1.50 m",
@@ -257,10 +256,57 @@ fn the_sentence_goes_by_the_verdict_that_is_nearest_to_another_one() {
         Explanation::of(&frame).sentence(&frame, &colors)[1].clone()
     };
     let opening = verdict([3, 4], true, 3.0);
-    assert_eq!(sentence(vec![opening]), "It would be 1 if blue and orange were one: the gap between them is 3.0 m.");
+    assert_eq!(
+        sentence(vec![opening]),
+        "It would be 1 if 0 (blue) and 1 (orange) were one: their ends are 3.0 m apart."
+    );
     let inside = verdict([2, 3], false, 0.8);
-    assert_eq!(sentence(vec![opening, inside]), "It would be 3 if blue were two: neighbours in it are 1.5 m apart.");
+    assert_eq!(
+        sentence(vec![opening, inside]),
+        "It would be 3 if 0 (blue) were two: neighbours in it are 1.5 m apart."
+    );
     assert_eq!(sentence(vec![verdict([2, 3], false, 0.0)]), sentence(vec![]), "a gap without room is not near");
+}
+
+#[test]
+fn a_wall_inside_a_gap_may_be_none() {
+    let walls = [Some(0), Some(0), Some(0), Some(0), Some(2), Some(1), Some(1)];
+    let mut frame = with_spectrum(gaussian(&PLACES_M, &walls, 1.5), 1e-4);
+    let wall = |id, returns| Wall { id, returns, bearing_rad: [0.0; 2], island: false };
+    frame.junction.walls = vec![wall(0, 40), wall(1, 20), wall(2, 10)];
+    frame.junction.junctions = 3;
+    let judged =
+        Verdict { returns: [3, 5], is_opening: true, room_ratio: 40.0, reason: "width", p: None, measured: None };
+    frame.affinity.verdicts = vec![judged];
+    let explanation = Explanation::of(&frame);
+    assert_eq!(explanation.may_be_none, Some(2));
+    let [_, nearest] = explanation.sentence(&frame, &|_| "");
+    assert!(nearest.starts_with("Without wall 2, which stands free inside a gap, it would be 2."), "{nearest}");
+}
+
+#[test]
+fn a_place_with_fewer_openings_than_walls_says_where_there_is_none() {
+    let mut frame = with_spectrum(gaussian(&PLACES_M, &WALLS, 1.5), 1e-4);
+    (frame.junction.junctions, frame.junction.place) = (2, Place::DeadEnd);
+    let text = || Explanation::of(&frame).to_markdown(&frame, &|_| "");
+    assert!(
+        text().contains("Place: dead end, by its 0 openings; there is none between wall 0 and wall 1. k = 2"),
+        "{}",
+        text()
+    );
+}
+
+#[test]
+fn a_count_that_no_edge_explains_is_told_by_the_spectrum() {
+    let mut frame = with_spectrum(gaussian(&PLACES_M, &WALLS, 1.5), 1e-4);
+    frame.junction.junctions = 2;
+    *frame.affinity.weights.make_dense(7) = Mat::from_fn(7, 7, |i, j| if i == j { 1.0 } else { 0.5 });
+    set_degrees(&mut frame);
+    (frame.spectrum.eigenvalues, frame.spectrum.tolerance) = (vec![0.0, 9e-5, 2e-2], 1e-4);
+    let explanation = Explanation { closest: None, ..Explanation::of(&frame) };
+    let [_, nearest] = explanation.sentence(&frame, &|_| "");
+    let expected = "k would be 1 with a tolerance below λ2 = 9.0e-5, 0.0 decades from τ";
+    assert!(nearest.starts_with(expected) && nearest.ends_with("No single edge decides that."), "{nearest}");
 }
 
 #[test]
@@ -284,10 +330,11 @@ fn verdicts_closest_to_the_threshold_come_first() {
     assert_eq!(
         reported,
         [
-            "- an opening (returns 3, 4: 3.00 m): **1.10** times the room that an opening needs (width), p = 0.25",
-            "- the wall continues (returns 2, 3: 1.50 m): **0.80** times the room that an opening needs (width), p = 0.25",
-            "- the wall continues (returns 0, 1: 1.00 m): **0.01** times the room that an opening needs (width), p = 0.25",
-            "- the wall continues (returns 1, 2: 1.00 m): **what is seen on its two sides leaves 0.35 m; the vehicle needs 0.60 m** \
+            "- an opening between 0 (grey) and 1 (grey) (returns 3, 4: 3.00 m): **1.10** times the room that an opening needs (width), \
+             p = 0.25, overruled by the rule",
+            "- the wall continues in 0 (grey) (returns 2, 3: 1.50 m): **0.80** times the room that an opening needs (width), p = 0.25",
+            "- the wall continues in 0 (grey) (returns 0, 1: 1.00 m): **0.01** times the room that an opening needs (width), p = 0.25",
+            "- the wall continues in 0 (grey) (returns 1, 2: 1.00 m): **what is seen on its two sides leaves 0.35 m; the vehicle needs 0.60 m** \
              (a slit; 0.00), p = 0.25",
         ]
     );

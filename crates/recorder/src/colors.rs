@@ -7,18 +7,29 @@
 use rerun::components::InterpolationMode;
 use rerun::{AnnotationContext, ClassDescription, Color, Rgba32, SeriesLines};
 
-/// Those of Okabe and Ito's colours that differ most from each other, the yellow darker than theirs; repeated when there are
-/// more walls. Pink is for annotations alone.
+/// Four of Okabe and Ito's colours, four others that differ from them, and all of these darker; repeated when there are more walls.
+/// Pink is for annotations alone, yellow for weak edges and doubt.
 const WALLS: [(&str, u32); COLORS as usize] = [
     ("blue", 0x56B4_E9FF),
     ("orange", 0xE69F_00FF),
     ("green", 0x009E_73FF),
     ("vermilion", 0xD55E_00FF),
-    ("yellow", 0xD6C7_13FF),
+    ("lime", 0x9BC5_3DFF),
+    ("indigo", 0x6A6C_F0FF),
+    ("sand", 0xC9A2_7EFF),
+    ("brown", 0x9A64_3AFF),
+    ("dark blue", 0x3072_93FF),
+    ("dark orange", 0x8F63_00FF),
+    ("dark green", 0x0063_48FF),
+    ("dark vermilion", 0x853A_00FF),
+    ("dark lime", 0x5F7A_22FF),
+    ("dark indigo", 0x4042_98FF),
+    ("dark sand", 0x7D64_4CFF),
+    ("dark brown", 0x5E3C_22FF),
 ];
 
 /// Number of different colours.
-pub(crate) const COLORS: u16 = 5;
+pub(crate) const COLORS: u16 = 16;
 
 /// Classes with a name. Rerun chooses colours for the classes beyond them.
 const NAMED_CLASSES: u16 = 256;
@@ -36,12 +47,10 @@ pub(crate) const LABEL: u32 = 0xC8C8_C8FF;
 pub(crate) const WORDS_ON_PICTURES: u32 = 0xFFFF_FFFF;
 /// Grid lines and circles to read distances by.
 pub(crate) const GRID: u32 = 0x8080_80FF;
-/// The weakest edge of W inside a wall: Okabe and Ito's yellow.
-pub(crate) const WEAKEST: u32 = 0xF0E4_42FF;
-/// The strongest edge of W between two walls.
-pub(crate) const STRONGEST: u32 = 0xFFFF_FFFF;
-/// Borders of both, as white and yellow cannot be seen on white.
-pub(crate) const BORDER: u32 = 0x0000_00FF;
+/// The gap that is nearest to another count.
+pub(crate) const NAMED: u32 = 0xE830_8CFF;
+/// An edge that would change k, dark enough to be seen on white.
+pub(crate) const OTHER: u32 = 0xD6C7_13FF;
 /// A strong edge of a sparse W.
 pub(crate) const EDGE: u32 = 0x8C8C_8C80;
 /// A weak edge of a sparse W.
@@ -88,8 +97,8 @@ pub(crate) const PLACES: [(&str, u32); 8] = [
     ("partial_view", 0x8F6B_E8FF),
 ];
 
-/// Colours of `wrong` and `unsure`, and of neither.
-pub(crate) const DOUBTS: [u32; 3] = [0xD32F_2FFF, 0xD6C7_13FF, 0x4A4A_4AFF];
+/// Colours of both `wrong` and `unsure`, of either, and of neither.
+pub(crate) const DOUBTS: [u32; 4] = [0xE07B_1FFF, 0xD32F_2FFF, 0xD6C7_13FF, 0x4A4A_4AFF];
 
 /// A colour given as 0xRRGGBBAA.
 pub(crate) fn color(rgba: u32) -> Color {

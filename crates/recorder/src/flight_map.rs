@@ -70,7 +70,7 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     rec.log_static(FLIGHT_SCALE.path, &line(WORDS, 1.5))?;
     rec.log_static(FLIGHT_PATH.path, &line(GREY, 0.7))?;
     rec.log_static(FLIGHT_PASSAGES.path, &line(PASSAGE, 2.0))?;
-    let [_, unsure, _] = DOUBTS;
+    let [_, _, unsure, _] = DOUBTS;
     let beads = Points2D::update_fields().with_colors([color(unsure)]).with_radii([ui(3.0)]);
     rec.log_static(FLIGHT_UNSURE.path, &beads)?;
     let points = Points2D::update_fields().with_colors([color(WORDS)]).with_radii([ui(1.5)]);
@@ -240,17 +240,22 @@ fn kind_of(node: &Node) -> String {
 }
 
 fn summary(map: &Map, no_place: Option<String>, unsure_share: f64) -> String {
+    let is_lost = map.stretches_from_ns.len() > 1;
     let mut lines = vec![no_place.map_or_else(|| format!("## {}\n", map.summary()), |reason| format!("## {reason}\n"))];
     if unsure_share > 0.0 {
         lines.push(format!("Unsure on {:.0} % of the way: *yellow* on the map.\n", (100.0 * unsure_share).max(1.0)));
     }
     if !map.nodes.is_empty() {
-        lines.push("| node | place | ways not taken | visits |\n|---|---|---|---|".to_owned());
+        let stretch = if is_lost { [" stretch |", "---|"] } else { [""; 2] };
+        lines
+            .push(format!("| node | place | ways not taken | visits |{}\n|---|---|---|---|{}", stretch[0], stretch[1]));
     }
     for (id, node) in map.nodes.iter().enumerate() {
         let not_taken = node.ways.iter().filter(|way| !way.taken);
         let not_taken: Vec<_> = not_taken.map(|way| format!("{:+.0}°", way.bearing_rad.to_degrees())).collect();
-        lines.push(format!("| {id} | {} | {} | {} |", kind_of(node), not_taken.join(", "), node.visits.len()));
+        let stretch = if is_lost { format!(" {} |", map.stretch_of(node) + 1) } else { String::new() };
+        let visits = node.visits.len();
+        lines.push(format!("| {id} | {} | {} | {visits} |{stretch}", kind_of(node), not_taken.join(", ")));
     }
     let merges = map.merges.iter().map(|merge| (merge.at_ns, format!("node {} again: {}", merge.node, merge.why)));
     let refusals = map.refusals.iter().map(|refusal| (refusal.at_ns, refusal.why.clone()));

@@ -37,6 +37,7 @@
 mod as_read;
 mod backlog;
 mod beam_order;
+mod before;
 mod below;
 mod colors;
 mod debug_view;
@@ -53,6 +54,7 @@ mod mine;
 mod mission;
 mod mounting;
 mod notes;
+mod numbers;
 mod options;
 mod outputs;
 mod partition;

@@ -22,6 +22,8 @@ const WALLS_Y: f32 = -HEIGHT - 10.0;
 const LABEL_RISE: f32 = 5.0;
 /// Largest distance between a range and the line that is drawn for it.
 const LINE: f32 = 0.25;
+/// Coordinates are multiples of this: those of few digits take less space.
+const STEP: f32 = 1.0 / 128.0;
 /// Ranges of neighbouring beams that differ by more are not joined by a line.
 const GAP: f32 = 5.0;
 
@@ -102,11 +104,12 @@ pub(crate) fn log(rows: &mut Rows, frame: &Frame, classes: &Classes, reach_m: f6
 
 /// The line through these ranges; a single range becomes a line as wide as its beam.
 fn drawn(line: &[(u16, [f32; 3])], along: f32) -> Vec<[f32; 2]> {
+    let coarse = |[x, y]: [f32; 2]| [x, y].map(|at| (at / STEP).round() * STEP);
     if let [(_, [x, y, _])] = *line {
-        return vec![[x - 0.5 * along, y], [x + 0.5 * along, y]];
+        return vec![coarse([x - 0.5 * along, y]), coarse([x + 0.5 * along, y])];
     }
     let line: Vec<[f32; 3]> = line.iter().map(|(_, point)| *point).collect();
-    simplified(&line, LINE).into_iter().map(|[x, y, _]| [x, y]).collect()
+    simplified(&line, LINE).into_iter().map(|[x, y, _]| coarse([x, y])).collect()
 }
 
 fn marks(marks: impl Iterator<Item = ([f32; 2], String)>) -> Points2D {

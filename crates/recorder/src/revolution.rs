@@ -6,6 +6,7 @@ use rerun::{Clear, TextLog, TextLogLevel};
 
 use crate::as_read::AsRead;
 use crate::beam_order::BeamOrder;
+use crate::before::Before;
 use crate::eigenvectors::Bands;
 use crate::layout::Extent;
 use crate::matrices::{Absent, Pictures};
@@ -21,12 +22,13 @@ use crate::scope::Share;
 use crate::timing::Times;
 use crate::tracks::Tracks;
 use crate::why::Told;
-use crate::{exact, gaps, partition, profile, report, scan, spectrum, truth, why};
+use crate::{exact, gaps, numbers, partition, profile, report, scan, spectrum, truth, why};
 
 /// Logs revolutions, one after the other.
 #[derive(Default)]
 pub(crate) struct RevolutionLog {
     tracks: Tracks,
+    before: Before,
     watch: Watch,
     doubts: why::Doubts,
     times: Times,
@@ -70,7 +72,7 @@ impl RevolutionLog {
             partition::log_blocks(rows, frame, &order, &classes);
             why::log_graph(rows, frame);
             if extent.by_gaps || !frame.affinity.verdicts.is_empty() {
-                gaps::log(rows, frame);
+                gaps::log(rows, frame, &classes);
             }
         }
         if share.exact {
@@ -85,8 +87,10 @@ impl RevolutionLog {
         truth::log(rows, revolution.seq, truth.as_ref(), &mut self.truth_before);
         let truth = truth.map(|(walls, _)| walls);
         let first_ns = *self.first_ns.get_or_insert(revolution.stamp_ns);
-        let told = Told { classes: &classes, reach_m, source: &options.source, first_ns, truth };
+        let changed = self.before.what_changed(frame, &classes);
+        let told = Told { classes: &classes, reach_m, source: &options.source, first_ns, truth, changed };
         let explanation = why::log(rows, frame, &told, &mut self.watch);
+        numbers::log(rows, frame, &explanation, &classes, reach_m);
         self.doubts.log(rows, self.watch.doubt());
         if share.matrices {
             why::log_marks(rows, frame, &order, &explanation);
@@ -135,7 +139,7 @@ impl RevolutionLog {
 
     /// Forgets the revolution before, which is not the one that comes before the next in the flight.
     pub(crate) fn jump(&mut self) {
-        self.watch = Watch::default();
+        (self.watch, self.before) = Default::default();
     }
 
     /// Nanoseconds of sensor time since the first revolution.

@@ -29,9 +29,9 @@ const WIDTH_BEYOND: f64 = 0.22;
 const WIDTH_ASIDE: f64 = 0.08;
 /// A width fits into the view if its middle is no farther out than these shares of the view's reach: ahead or behind,
 /// and to either side.
-const WIDTH_ROOM: [f64; 2] = [1.2, 1.08];
+pub(crate) const WIDTH_ROOM: [f64; 2] = [1.2, 1.08];
 /// A label hangs below its point. Raised by this share of the view's reach, its middle lies at the point.
-const LABEL_RISE: f64 = 0.08;
+pub(crate) const LABEL_RISE: f64 = 0.08;
 
 /// Look of the entities, and what never changes.
 pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {

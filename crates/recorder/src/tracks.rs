@@ -10,7 +10,7 @@ use crosscut_stage::Frame;
 use crate::colors::{COLORS, NO_WALL};
 
 /// Number of directions: half a degree each.
-const BINS: usize = 720;
+pub(crate) const BINS: usize = 720;
 
 /// The classes of the walls and clusters of one revolution; a class has a colour.
 #[derive(Debug, Default)]
@@ -47,7 +47,7 @@ impl Default for Tracks {
 
 impl Tracks {
     /// The classes of the next revolution's walls. Walls and earlier classes are paired, those that share the most
-    /// directions first. A wall without a pair gets a class that was not seen lately. Up to five walls have five colours.
+    /// directions first. A wall without a pair gets a class that was not seen lately. As many walls as there are colours have one each.
     pub(crate) fn classes_of(&mut self, frame: &Frame) -> Classes {
         let walls = self.match_walls(frame);
         let wall_of = &frame.junction.wall_of_return;
@@ -94,12 +94,12 @@ impl Tracks {
     fn new_class(&self, taken: &Taken, beside: [Option<u16>; 2]) -> u16 {
         let allowed = || (0..NO_WALL).filter(|class| taken.allows(*class));
         let differs = |class: &u16| beside.iter().flatten().all(|other| other % COLORS != class % COLORS);
-        let is_fresh = |class: &u16| *class < COLORS && !self.seen.contains(&Some(*class));
+        let is_fresh = |class: &u16| *class < COLORS / 2 && !self.seen.contains(&Some(*class));
         allowed().find(is_fresh).or_else(|| allowed().find(differs)).or_else(|| allowed().next()).unwrap_or(NO_WALL)
     }
 }
 
-/// The classes of walls that have one already. No colour is taken more often than it has to be: once, for up to five walls.
+/// The classes of walls that have one already. No colour is taken more often than it has to be.
 struct Taken {
     classes: Vec<bool>,
     of_color: [usize; COLORS as usize],
@@ -126,13 +126,13 @@ impl Taken {
 }
 
 /// Each item with the number of its occurrences, in order.
-fn counts<T: Ord + Copy>(items: impl Iterator<Item = T>) -> Vec<(T, usize)> {
+pub(crate) fn counts<T: Ord + Copy>(items: impl Iterator<Item = T>) -> Vec<(T, usize)> {
     let mut items: Vec<T> = items.collect();
     items.sort_unstable();
     items.chunk_by(T::eq).map(|same| (same[0], same.len())).collect()
 }
 
-fn bin(frame: &Frame, i: usize) -> usize {
+pub(crate) fn bin(frame: &Frame, i: usize) -> usize {
     let turn = frame.revolution.bearing_rad(i).rem_euclid(std::f64::consts::TAU) / std::f64::consts::TAU;
     ((turn * BINS as f64) as usize).min(BINS - 1)
 }

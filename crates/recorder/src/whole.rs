@@ -8,7 +8,8 @@ use crate::options::{RecorderError, RecorderOptions};
 use crate::schema::{ABOUT, COLORS, CONFIG};
 use crate::scope::Detail;
 use crate::{
-    eigenvectors, flight_map, gaps, matrices, partition, profile, report, scan, schema, spectrum, timing, truth, why,
+    eigenvectors, flight_map, gaps, matrices, numbers, partition, profile, report, scan, schema, spectrum, timing,
+    truth, why,
 };
 
 /// Logs what holds for the whole recording: colours, look, configuration, the text of `/about`, and the mine of a mission.
@@ -31,6 +32,7 @@ pub(crate) fn log(rec: &RecordingStream, options: &RecorderOptions, mine: Option
     truth::log_static(rec)?;
     gaps::log_static(rec)?;
     why::log_static(rec)?;
+    numbers::log_static(rec)?;
     Ok(())
 }
 

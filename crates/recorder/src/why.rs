@@ -1,6 +1,6 @@
 //! Why the count is what it is: as text and drawn on the scan; and which revolutions are worth a look.
 
-use crosscut_explain::{Change, Doubt, Edge, Event, Explanation, Watch};
+use crosscut_explain::{Doubt, Event, Explanation, Watch};
 use crosscut_stage::{Frame, Point, Revolution, Weights, counted};
 use rerun::{
     AsComponents, Color, LineStrips3D, MediaType, Points2D, Points3D, Radius, RecordingStream, RecordingStreamResult,
@@ -8,17 +8,15 @@ use rerun::{
 };
 
 use crate::beam_order::{BeamOrder, LARGEST_SIDE};
-use crate::colors::{BORDER, DOUBTS, EDGE, STRONGEST, TOLERANCE, WEAK_EDGE, WEAKEST, color, name_of};
+use crate::colors::{DOUBTS, EDGE, NAMED, OTHER, TOLERANCE, WEAK_EDGE, color, name_of};
 use crate::matrices::is_drawn;
 use crate::rows::Rows;
 use crate::scan::{within_view, xyz};
-use crate::schema::{AFFINITY_LINKS, AFFINITY_MARKS, LOG, REPORT_DOUBT, REPORT_WHY, SCAN_LINKS, SCAN_LINKS_EDGES};
+use crate::schema::{AFFINITY_LINKS, AFFINITY_MARKS, LOG, REPORT_DOUBT, REPORT_WHY, SCAN_LINKS};
 use crate::tracks::{Classes, Tracks};
 
 /// Edges of a sparse W that are drawn for each return at most; of more of them, every m-th is drawn.
 const DRAWN_A_RETURN: usize = 4;
-/// How far below the edges that decide the count their dark borders lie; the views look down.
-const BORDER_BELOW_M: f32 = 0.05;
 /// A mark fits into the view if its middle is no farther out than these shares of the view's reach: ahead or behind, and
 /// to either side.
 const MARK_ROOM: [f64; 2] = [1.08, 0.78];
@@ -38,8 +36,6 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     let marks = Points3D::update_fields().with_radii([ui(0.0)]).with_colors([color(TOLERANCE)]).with_show_labels(true);
     let lines = LineStrips3D::update_fields().with_radii([ui(2.0)]);
     rec.log_static(SCAN_LINKS.path, &[&lines as &dyn AsComponents, &marks])?;
-    let edges = LineStrips3D::update_fields().with_radii([ui(3.0)]).with_colors([color(BORDER)]);
-    rec.log_static(SCAN_LINKS_EDGES.path, &edges)?;
     rec.log_static(REPORT_WHY.path, &TextDocument::update_fields().with_media_type(MediaType::MARKDOWN))?;
     let names = Doubt::ALL.map(Doubt::name);
     let doubts = StateConfiguration::new().with_values(names).with_colors(DOUBTS.map(color));
@@ -47,7 +43,7 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
 }
 
 /// A doubt lasts until this many revolutions in a row are less doubtful: in a long flight shorter stretches cannot be seen.
-const LASTING: u32 = 20;
+const LASTING: u32 = 10;
 
 /// What is doubtful, if it is not what was logged before.
 #[derive(Default)]
@@ -97,14 +93,11 @@ pub fn why(frame: &Frame) -> String {
 pub(crate) fn log(rows: &mut Rows, frame: &Frame, told: &Told, watch: &mut Watch) -> Explanation {
     let explanation = Explanation::of(frame);
     let color_of = |wall| name_of(told.classes.of_wall(Some(wall)));
-    let paragraphs = [
-        explanation.title(frame, &color_of),
-        told.context(frame),
-        LEGEND.into(),
-        explanation.details(frame, &color_of),
-    ];
+    let mut paragraphs = vec![explanation.title(frame, &color_of)];
+    paragraphs.extend(told.changed.clone());
+    paragraphs.extend([told.context(frame), LEGEND.into(), explanation.details(frame, &color_of)]);
     rows.log(&REPORT_WHY, &TextDocument::new(paragraphs.join("\n\n")));
-    log_decisive_links(rows, &frame.revolution, &explanation, told.reach_m);
+    log_decisive(rows, frame, &explanation, told.reach_m);
     for event in watch.events(frame, told.truth) {
         let level = match event {
             Event::Wrong { .. } => TextLogLevel::ERROR,
@@ -119,11 +112,12 @@ pub(crate) fn log(rows: &mut Rows, frame: &Frame, told: &Told, watch: &mut Watch
 /// Marks of the edges that decide the count on the picture of W, with their weights where W is sparse.
 pub(crate) fn log_marks(rows: &mut Rows, frame: &Frame, order: &BeamOrder, explanation: &Explanation) {
     let is_sparse = matches!(frame.affinity.weights, Weights::Sparse(_));
-    let decisive = decisive(explanation).filter(|_| is_drawn(frame));
+    let decisive = if is_drawn(frame) { decisive(frame, explanation) } else { Vec::new() };
     let (at, (colors, weights)): (Vec<_>, (Vec<_>, Vec<_>)) = decisive
-        .map(|(edge, rgba)| {
-            let [i, j] = edge.returns.map(|i| order.places[i] as f32);
-            ([i.max(j), i.min(j)], (color(rgba), format!("{:.0e}", edge.weight)))
+        .into_iter()
+        .map(|Decisive { returns, rgba, .. }| {
+            let [i, j] = returns.map(|i| order.places[i] as f32);
+            ([i.max(j), i.min(j)], (color(rgba), format!("{:.0e}", weight(&frame.affinity.weights, returns))))
         })
         .unzip();
     let marks = Points2D::new(at).with_colors(colors);
@@ -131,10 +125,41 @@ pub(crate) fn log_marks(rows: &mut Rows, frame: &Frame, order: &BeamOrder, expla
     rows.log(&AFFINITY_MARKS, &marks);
 }
 
-/// The weakest edge inside each wall, and the strongest between two.
-fn decisive(explanation: &Explanation) -> impl Iterator<Item = (Edge, u32)> {
-    let weakest = explanation.walls.iter().filter_map(|wall| Some((wall.weakest?, WEAKEST)));
-    weakest.chain(explanation.strongest().map(|(_, edge)| (edge, STRONGEST)))
+/// A gap that decides the count.
+struct Decisive {
+    returns: [usize; 2],
+    rgba: u32,
+    /// What there would be: "4 walls if joined".
+    label: String,
+}
+
+/// The gap that the sentence names, then the edges of other changes of k.
+fn decisive(frame: &Frame, explanation: &Explanation) -> Vec<Decisive> {
+    let what = |walls: &[u32]| if walls.len() == 1 { "broken" } else { "joined" };
+    let nearest = explanation.nearest(frame).map(|near| {
+        let label = format!("{} if {}", counted(near.count as u64, "wall"), what(&near.walls));
+        Decisive { returns: near.returns, rgba: NAMED, label }
+    });
+    let sorted = |[a, b]: [usize; 2]| [a.min(b), a.max(b)];
+    let named = nearest.as_ref().map(|near| sorted(near.returns));
+    let changes = explanation.changes.iter().filter_map(|change| {
+        let edge = change.edge.filter(|edge| Some(sorted(edge.returns)) != named)?;
+        let label = format!("k = {} if {}: {:.0e}", change.k, what(&change.walls), edge.weight);
+        Some(Decisive { returns: edge.returns, rgba: OTHER, label })
+    });
+    nearest.into_iter().chain(changes).collect()
+}
+
+/// W_ij; 0 where a sparse W has no entry.
+fn weight(weights: &Weights, [i, j]: [usize; 2]) -> f64 {
+    match weights {
+        Weights::Dense(w) => w[(i, j)],
+        Weights::Sparse(w) => {
+            let (columns, values) = w.row(i);
+            columns.binary_search(&(j as u32)).map_or(0.0, |at| values[at])
+        }
+        _ => 0.0,
+    }
 }
 
 /// What the text of a revolution says beside its explanation.
@@ -148,6 +173,8 @@ pub(crate) struct Told<'a> {
     pub(crate) first_ns: u64,
     /// The true number of walls.
     pub(crate) truth: Option<usize>,
+    /// What became of the walls of the revolution before, if the count is another one.
+    pub(crate) changed: Option<String>,
 }
 
 impl Told<'_> {
@@ -174,18 +201,18 @@ pub(crate) fn source_in(text: &str) -> Option<&str> {
 }
 
 /// What the colours of edges and labels mean.
-const LEGEND: &str = "In **1** and **2**, *white* is the strongest edge between two walls, *yellow* the weakest inside a \
-    wall; a *pink* label names the count without it. In **7**, *pink* arrows are openings.";
+const LEGEND: &str = "In **1** and **2**, the *pink* line is the gap named here, a *yellow* one another edge that would change k; the \
+    *pink* ring is around what tips the count first. In **7**, *pink* arrows are openings with their free width; it is less than \
+    the length from end to end.";
 
-/// The weakest edge inside each wall and the strongest between two, with a mark at those that would change the count.
-fn log_decisive_links(rows: &mut Rows, revolution: &Revolution, explanation: &Explanation, reach_m: f64) {
+/// Lines across the gaps that decide the count, each with a mark.
+fn log_decisive(rows: &mut Rows, frame: &Frame, explanation: &Explanation, reach_m: f64) {
+    let revolution = &frame.revolution;
+    let decisive = decisive(frame, explanation);
     let (lines, colors): (Vec<_>, Vec<_>) =
-        decisive(explanation).map(|(link, rgba)| (line(revolution, link.returns), color(rgba))).unzip();
-    let (at, labels): (Vec<_>, Vec<_>) =
-        explanation.changes.iter().filter_map(|change| Some(mark(revolution, change, change.edge?))).unzip();
-    let at = readable(at, reach_m);
-    let below = |line: &[[f32; 3]; 2]| line.map(|[x, y, z]| [x, y, z - BORDER_BELOW_M]);
-    rows.log(&SCAN_LINKS_EDGES, &LineStrips3D::new(lines.iter().map(below)));
+        decisive.iter().map(|link| (line(revolution, link.returns), color(link.rgba))).unzip();
+    let at = readable(decisive.iter().map(|link| beneath(revolution, link.returns)).collect(), reach_m);
+    let labels = decisive.into_iter().map(|link| link.label);
     let lines = LineStrips3D::new(lines).with_colors(colors);
     let marks = Points3D::new(at.iter().map(xyz)).with_labels(labels);
     rows.log(&SCAN_LINKS, &[&lines as &dyn AsComponents, &marks]);
@@ -195,13 +222,11 @@ fn line(revolution: &Revolution, returns: [usize; 2]) -> [[f32; 3]; 2] {
     returns.map(|i| xyz(&revolution.points_m[i]))
 }
 
-/// A mark beneath the edge, such as "k = 4 if broken: 3e-5". A label hangs below its point.
-fn mark(revolution: &Revolution, change: &Change, link: Edge) -> (Point, String) {
-    let [a, b] = link.returns.map(|i| revolution.points_m[i]);
+/// The place of a mark beneath a gap. A label hangs below its point.
+fn beneath(revolution: &Revolution, returns: [usize; 2]) -> Point {
+    let [a, b] = returns.map(|i| revolution.points_m[i]);
     let middle = nalgebra::center(&a, &b);
-    let beneath = Point::new(a.x.min(b.x), middle.y, middle.z);
-    let what = if change.walls.len() == 1 { "broken" } else { "joined" };
-    (beneath, format!("k = {} if {what}: {:.0e}", change.k, link.weight))
+    Point::new(a.x.min(b.x), middle.y, middle.z)
 }
 
 /// The marks, moved into the view and away from marks that they would cover.

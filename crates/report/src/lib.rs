@@ -32,6 +32,7 @@ mod walls;
 pub use crosscut_scan::{VEHICLE_PARAMS, VEHICLE_WIDTH_M};
 pub use reporter::{CONFIDENCE, PARAMS, Reporter};
 pub use results::{
-    HereLine, MAX_EIGENVALUES, OpeningLine, PoseLine, RESULTS_SCHEMA_NAME, RESULTS_SCHEMA_TEXT, ResultsLine, SteadyLine,
+    HereLine, MAX_EIGENVALUES, OpeningLine, PoseLine, RESULTS_SCHEMA_NAME, RESULTS_SCHEMA_TEXT, ResultsLine,
+    SteadyLine, WallLine,
 };
 pub use wall_ring::WallRing;

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use crosscut_flight::{FlightAnswer, Here, SteadyOpening};
-use crosscut_stage::{Frame, Known, KnownGaps, Wall};
+use crosscut_stage::{Frame, Known, KnownGaps};
 use serde::{Deserialize, Serialize};
 
 /// The name of [`RESULTS_SCHEMA_TEXT`].
@@ -37,7 +37,7 @@ pub struct ResultsLine {
     /// The smallest eigenvalues, ascending; at most [`MAX_EIGENVALUES`], so with as many zeros the next is not there.
     pub eigenvalues: Vec<f64>,
     /// Walls, by id.
-    pub walls: Vec<Wall>,
+    pub walls: Vec<WallLine>,
     /// Openings, by bearing ascending.
     pub openings: Vec<OpeningLine>,
     /// How the gaps are known.
@@ -61,6 +61,49 @@ pub struct ResultsLine {
     pub labels: Vec<i32>,
     /// What was dropped, repaired or fallen back to.
     pub notes: Vec<String>,
+}
+
+/// A wall in the results.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WallLine {
+    /// Its number.
+    pub id: u32,
+    /// Number of its returns.
+    pub returns: usize,
+    /// Anticlockwise from the first to the last return (from > to crosses ±π).
+    pub bearing_rad: [f64; 2],
+    /// A pillar: counted in k, not in `junctions`.
+    pub island: bool,
+    /// How far its nearest return is from the sensor, and in which direction; null where a line does not say.
+    #[serde(default)]
+    pub nearest_m: Option<f64>,
+    /// As above.
+    #[serde(default)]
+    pub nearest_rad: Option<f64>,
+}
+
+impl WallLine {
+    /// The walls of a finished frame.
+    fn all_of(frame: &Frame) -> Vec<Self> {
+        let (revolution, junction) = (&frame.revolution, &frame.junction);
+        let mut nearest: Vec<Option<(f64, usize)>> = vec![None; junction.walls.len()];
+        for (i, wall) in junction.wall_of_return.iter().enumerate().take(revolution.len()) {
+            let Some(nearest) = wall.and_then(|wall| nearest.get_mut(wall as usize)) else { continue };
+            let range_m = revolution.range_m(i);
+            if nearest.is_none_or(|(least_m, _)| range_m < least_m) {
+                *nearest = Some((range_m, i));
+            }
+        }
+        let line = |(wall, nearest): (&crosscut_stage::Wall, Option<(f64, usize)>)| Self {
+            id: wall.id,
+            returns: wall.returns,
+            bearing_rad: wall.bearing_rad,
+            island: wall.island,
+            nearest_m: nearest.map(|(range_m, _)| range_m),
+            nearest_rad: nearest.map(|(_, i)| revolution.bearing_rad(i)),
+        };
+        junction.walls.iter().zip(nearest).map(line).collect()
+    }
 }
 
 /// An opening in the results.
@@ -150,7 +193,7 @@ impl ResultsLine {
             confidence: junction.confidence,
             place: junction.place.to_string(),
             eigenvalues: spectrum.eigenvalues.iter().copied().take(MAX_EIGENVALUES).collect(),
-            walls: junction.walls.clone(),
+            walls: WallLine::all_of(frame),
             openings: junction
                 .openings
                 .iter()
@@ -226,7 +269,14 @@ mod tests {
     fn the_schema_names_the_fields_of_a_line() {
         let here = || HereLine { kind: "junction".to_owned(), ways: vec![None], confidence: 1.0 };
         let mut line = ResultsLine::of(&Frame::default());
-        line.walls.push(Wall { id: 0, returns: 1, bearing_rad: [0.0; 2], island: false });
+        line.walls.push(WallLine {
+            id: 0,
+            returns: 1,
+            bearing_rad: [0.0; 2],
+            island: false,
+            nearest_m: None,
+            nearest_rad: None,
+        });
         line.openings.push(OpeningLine {
             bearing_rad: 0.0,
             width_m: 1.0,

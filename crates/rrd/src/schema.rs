@@ -175,9 +175,9 @@ entities! {
     SCAN_OPENINGS: "/scan/openings", TENSOR, ["opening", "bearing_rad, width_m"], "rad, m", Exact, Revolution,
         "bearing and width of each opening, drawn as arrows and bars";
     SCAN_LINKS: "/scan/links", LINES_3D, ["point", "axis"], "m", Drawing, Revolution,
-        "edges of W that decide the count: yellow the weakest inside each wall, white the strongest between two walls";
-    SCAN_LINKS_EDGES: "/scan/links/edges", LINES_3D, ["point", "axis"], "m", Drawing, Revolution,
-        "dark borders of the lines of `/scan/links`";
+        "gaps that decide the count: pink the nearest to another count, yellow those of other changes of k";
+    SCAN_NUMBERS: "/scan/numbers", POINTS_3D, ["wall", "axis"], "m", Drawing, Revolution,
+        "numbers of walls beside them, and a ring around what tips the count";
     SCAN_RINGS: "/scan/rings", LINES_3D, ["point", "axis"], "m", Drawing, Once, "circles to read distances by";
     SCAN_SENSOR: "/scan/sensor", LINES_3D, ["point", "axis"], "m", Drawing, Once, "the sensor as an arrowhead";
     AFFINITY_W: "/affinity/W", PICTURE, ["row", "column"], "", HalfDecade, Matrices,
@@ -190,7 +190,7 @@ entities! {
     AFFINITY_SCALE: "/affinity/scale", LINES_2D, ["point", "axis"], "", Drawing, Once,
         "key to the colours of the pictures of W and L";
     AFFINITY_MARKS: "/affinity/marks", "Points2D:positions", ["edge", "axis"], "", Drawing, Matrices,
-        "edges of `/scan/links` on the picture of W; with their weights where W is sparse";
+        "gaps of `/scan/links` on the picture of W; with their weights where W is sparse";
     AFFINITY_ABSENT: "/affinity/absent", "Points2D:positions", ["point", "axis"], "", Drawing, Change,
         "why there is no picture of W, L and U";
     AFFINITY_GAPS: "/affinity/gaps/values", LINES_2D, ["point", "axis"], "", Drawing, Event,
@@ -235,8 +235,8 @@ entities! {
     TRUTH_JSON: "/truth/json", DOCUMENT, [], "", Exact, Event, "the truth of each revolution that has one";
     REPORT_CONFIDENCE: "/report/confidence", SCALAR, [], "", Exact, Revolution, "confidence in that number, 0 to 1";
     REPORT_DOUBT: "/report/doubt", "StateChange:state", [], "", Exact, Change,
-        "`wrong` where the truth has another count, `unsure` from a low confidence until it has recovered, either until 20 \
-        revolutions in a row are better; else `none`";
+        "`wrong` where the truth has another count, `unsure` from a low confidence until it has recovered, `wrong, unsure` where both \
+        hold, each until 10 revolutions in a row are better; else `none`";
     REPORT_PLACE: "/report/place", "StateChange:state", [], "", Exact, Revolution, "place, such as `tee`";
     REPORT_SUMMARY: "/report/summary", DOCUMENT, [], "", Words, Revolution, "answer with its openings and walls";
     REPORT_WHY: "/report/why", DOCUMENT, [], "", Words, Revolution, "why the count is what it is, with all notes";

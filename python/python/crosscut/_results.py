@@ -29,6 +29,10 @@ class Wall(NamedTuple):
     """From its first to its last return, anticlockwise (from > to crosses ±π)."""
     island: bool
     """A pillar: counted in ``k``, not in ``junctions``."""
+    nearest_m: float | None = None
+    """How far its nearest return is from the sensor, metres."""
+    nearest_rad: float | None = None
+    """The direction of that return, anticlockwise from straight ahead."""
 
 
 class Opening(NamedTuple):
@@ -247,7 +251,14 @@ def results(path: str | os.PathLike[str]) -> pyarrow.Table:
     here = pa.struct([("kind", pa.string()), ("ways", pa.list_(pa.int64())), ("confidence", pa.float64())])
     followed = pa.struct([("track", pa.int64()), ("bearing_rad", pa.float64()), ("width_m", pa.float64())])
     steady = pa.struct([("junctions", pa.int64()), ("here", here), ("openings", pa.list_(followed))])
-    wall = [("id", pa.int64()), ("returns", pa.int64()), ("bearing_rad", pa.list_(pa.float64())), ("island", pa.bool_())]
+    wall = [
+        ("id", pa.int64()),
+        ("returns", pa.int64()),
+        ("bearing_rad", pa.list_(pa.float64())),
+        ("island", pa.bool_()),
+        ("nearest_m", pa.float64()),
+        ("nearest_rad", pa.float64()),
+    ]
     opening = [
         ("bearing_rad", pa.float64()),
         ("width_m", pa.float64()),

@@ -27,6 +27,7 @@ def check_affinity(affinity: Callable[..., Any]) -> None:
     the same points give the same bits whatever was seen before.
     """
     _native.check_affinity(affinity)
+    print("ok: shape (n, n), symmetric to the bit, 0 <= W <= 1, W_ii = 1, repeatable; for 0 to 80 points")
 
 
 def check_spectral(spectral: Callable[..., Any]) -> None:

@@ -99,6 +99,8 @@ fn explain(code: &str) -> anyhow::Result<Outcome> {
         show(NOTES_PAGE)?;
         return Ok(Outcome::Done);
     }
+    let number = code.trim_start_matches(['n', 'N']).parse::<u16>(); // 82 and n82 are N082
+    let code = &number.map_or_else(|_| code.to_owned(), |number| format!("N{number:03}"));
     let rows = || NOTES_PAGE.lines().map(|line| line.split('|').map(str::trim).collect::<Vec<_>>());
     let [heads, row] = ["code", code].map(|name| rows().find(|row| row.len() > 2 && row[1].eq_ignore_ascii_case(name)));
     let unknown = || UsageError(format!("there is no note {code:?}; `crosscut info --note all` lists them"));

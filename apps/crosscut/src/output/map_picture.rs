@@ -162,7 +162,7 @@ impl Drawing {
         let beads = "M-7 0h0M0 0h0M7 0h0";
         let way = match self.path_m.len() {
             0 | 1 => "way of the vehicle".to_owned(),
-            stretches => format!("way of the vehicle, which was lost between its {stretches} stretches"),
+            stretches => format!("way of the vehicle, lost between its {stretches} stretches"),
         };
         let entries = [
             (

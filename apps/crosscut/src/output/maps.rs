@@ -33,7 +33,7 @@ pub(crate) fn text(path: &Path, mapper: &Mapper, no_place: &NoPlace, seen: &MapD
 pub(crate) fn json(map: &Map) -> Value {
     let node = |(id, node): (usize, &Node)| {
         json!({"id": id, "kind": node.kind.name(), "x_m": node.position_m.x, "y_m": node.position_m.y,
-               "ways": node.ways, "visits": node.visits})
+               "ways": node.ways, "visits": node.visits, "stretch": map.stretch_of(node) + 1})
     };
     let edge = |(id, edge): (usize, &crosscut_flight::Passage)| {
         let via_m: Vec<[f64; 2]> = edge.via_m.iter().map(|place_m| [place_m.x, place_m.y]).collect();

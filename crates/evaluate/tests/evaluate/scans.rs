@@ -1,8 +1,8 @@
 //! Truths and answers made from labels.
 
 use crosscut_messages::Truth;
-use crosscut_report::ResultsLine;
-use crosscut_stage::{KnownGaps, Wall};
+use crosscut_report::{ResultsLine, WallLine};
+use crosscut_stage::KnownGaps;
 
 /// A truth with these labels; its first `islands` walls are islands.
 pub(crate) fn truth(labels: &[i32], islands: u32) -> Truth {
@@ -19,7 +19,8 @@ pub(crate) fn answer(labels: &[i32], islands: &[u32]) -> ResultsLine {
         .iter()
         .map(|&id| {
             let (id, returns) = (id as u32, labels.iter().filter(|&&label| label == id).count());
-            Wall { id, returns, bearing_rad: [0.0; 2], island: islands.contains(&id) }
+            let island = islands.contains(&id);
+            WallLine { id, returns, bearing_rad: [0.0; 2], island, nearest_m: None, nearest_rad: None }
         })
         .collect();
     ResultsLine {

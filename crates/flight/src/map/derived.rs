@@ -187,7 +187,8 @@ impl Derived {
         let [merges, refusals] = [&log.links, &log.refusals].map(|links| links.iter().map(of_link).collect());
         // No leg leads on from a visit before a cut.
         let left_by = left_by.filter(|_| !log.is_cut);
-        Self { map: Map { nodes, passages, merges, refusals }, places, left_by, node_of }
+        let map = Map { nodes, passages, merges, refusals, stretches_from_ns: log.stretches_from_ns.clone() };
+        Self { map, places, left_by, node_of }
     }
 
     /// Whether a node was seen on one stay alone.

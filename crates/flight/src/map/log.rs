@@ -36,6 +36,8 @@ pub(super) struct Log {
     pub(super) known: Vec<Known>,
     /// The poses that follow do not go with those before.
     pub(super) is_cut: bool,
+    /// The stamp at which each stretch begins.
+    pub(super) stretches_from_ns: Vec<u64>,
 }
 
 /// How the vehicle left a visit, and how it came to the next one.

@@ -55,6 +55,9 @@ impl Mapper {
         if doubt.stretch != self.doubt.stretch {
             self.end_stretch();
         }
+        if doubt.stretch != self.doubt.stretch || self.log.stretches_from_ns.is_empty() {
+            self.log.stretches_from_ns.push(frame.revolution.stamp_ns);
+        }
         self.doubt = doubt;
         self.way.add(pose);
         let lines = || {

@@ -17,6 +17,8 @@ mod stretch;
 mod travelled;
 mod visit;
 
+use std::collections::BTreeSet;
+
 use crosscut_stage::{DisjointSets, counted, junction_of};
 use nalgebra::Point2;
 use serde::Serialize;
@@ -42,6 +44,8 @@ pub struct Map {
     pub merges: Vec<Decided>,
     /// Visits that look like a node seen before and were not taken to be to it, in order.
     pub refusals: Vec<Decided>,
+    /// The stamp at which each stretch of the flight begins: how one lies to the one before was not seen.
+    pub stretches_from_ns: Vec<u64>,
 }
 
 /// A junction or a dead end.
@@ -137,6 +141,27 @@ impl Map {
         junctions.flat_map(|node| &node.ways).filter(|way| !way.taken).count()
     }
 
+    /// The stretch in which a node was visited first.
+    pub fn stretch_of(&self, node: &Node) -> usize {
+        let first_ns = node.visits.first().map_or(0, |visit| visit[0]);
+        self.stretches_from_ns.partition_point(|from_ns| *from_ns <= first_ns).saturating_sub(1)
+    }
+
+    /// "in 2 stretches (the pose was lost at 15.5 s): places of different stretches may be one", if there are such.
+    fn lost(&self) -> Option<String> {
+        let Self { nodes, stretches_from_ns: from_ns, .. } = self;
+        let stretches = nodes.iter().map(|node| self.stretch_of(node)).collect::<BTreeSet<_>>().len();
+        let since_s = |ns: &u64| format!("{:.1} s", ns.saturating_sub(from_ns[0]) as f64 * 1e-9);
+        let at: Vec<String> = from_ns.iter().skip(1).take(3).map(since_s).collect();
+        let more = if from_ns.len() > 4 { "..." } else { "" };
+        (stretches > 1).then(|| {
+            let at = at.join(", ");
+            format!(
+                "in {stretches} stretches (the pose was lost at {at}{more}): places of different stretches may be one"
+            )
+        })
+    }
+
     /// How many loops the passages close.
     pub fn loops(&self) -> usize {
         loops_in(self.passages.iter().map(|passage| [passage.from, passage.to]))
@@ -161,6 +186,8 @@ impl Map {
         let junctions_of = if junctions > 0 { format!("{junctions_of}: {of_ways}") } else { junctions_of };
         let ends = counted((self.nodes.len() - junctions) as u64, "dead end");
         let loops = counted(self.loops() as u64, "loop");
-        format!("{junctions_of}; {ends}; {loops}; {} not taken", counted(self.ways_not_taken() as u64, "way"))
+        let not_taken = counted(self.ways_not_taken() as u64, "way");
+        let lost = self.lost().map_or_else(String::new, |lost| format!("; {lost}"));
+        format!("{junctions_of}; {ends}; {loops}; {not_taken} not taken{lost}")
     }
 }

@@ -14,12 +14,12 @@ pub(super) fn beside(left: &mut Views, right: &mut Views) -> ContainerLike {
         left.lines_of_both(&format!("Walls counted: left orange, right blue{truth}"), DIFFERS_WALLS),
         left.lines_of_both("Confidence: left orange, right blue", DIFFERS_CONFIDENCE),
     ]);
-    let flight = Vertical::new([lines.into(), left.strip_of_both(right)]).with_row_shares([0.8, 1.2]);
+    let flight = Vertical::new([lines.into(), left.strip_of_both(right)]).with_row_shares([1.0, 1.1]);
     let list = Vertical::new([left.differences_in_words(), left.differences()]).with_row_shares([1.0, 1.1]);
     let differs = Horizontal::new([flight.into(), list.into()]).with_column_shares([1.0, 1.0]);
     let halves = Horizontal::new([left, right].map(half));
     Vertical::new([differs.into(), halves.into()])
-        .with_row_shares([1.0, 1.1])
+        .with_row_shares([1.15, 1.0])
         .with_name("Side by side: what differs")
         .into()
 }

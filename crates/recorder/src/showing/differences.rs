@@ -10,6 +10,7 @@ use rerun::{
 };
 
 use super::flight::Facts;
+use super::made::Made;
 use crate::colors::{REPORTED, TRUTH, ZEROS, color};
 use crate::layout::differs::{DIFFERS, DIFFERS_CONFIDENCE, DIFFERS_LOG, DIFFERS_SUMMARY, DIFFERS_WALLS};
 
@@ -42,18 +43,21 @@ impl Stretch {
     /// "95 to 99: paper 4 walls, default 3; truth 3: paper is wrong; from W on".
     fn words(&self, [a, b]: &[String; 2]) -> String {
         let [of_a, of_b] = self.walls;
+        let [_, from] = self.from;
         let span = if self.first == self.last {
             format!("{}", self.first)
         } else {
             format!("{} to {}", self.first, self.last)
         };
+        if of_a == of_b {
+            return format!("{span}: both {of_a} walls, grouped otherwise; from {from} on");
+        }
         let wrong = |truth: f64| match (of_a == truth, of_b == truth) {
             (true, false) => format!("{b} is wrong"),
             (false, true) => format!("{a} is wrong"),
             _ => "both are wrong".to_owned(),
         };
         let truth = self.truth.map_or_else(String::new, |truth| format!("; truth {truth}: {}", wrong(truth)));
-        let [_, from] = self.from;
         format!("{span}: {a} {of_a} walls, {b} {of_b}{truth}; from {from} on")
     }
 }
@@ -67,10 +71,13 @@ pub(super) fn messages(
 ) -> RecordingStreamResult<Vec<LogMsg>> {
     let (rec, storage) = RecordingStreamBuilder::from_store_id(store).send_properties(false).memory()?;
     let (stretches, common) = stretches(facts);
-    rec.log_static(DIFFERS_SUMMARY, &TextDocument::from_markdown(summary(names, files, facts, &stretches, common)))?;
+    let summary = summary(names, files, facts, &stretches, common);
+    if common == 0 {
+        rec.log_static(DIFFERS_SUMMARY, &TextDocument::from_markdown(summary.as_str()))?;
+    }
     log_looks(&rec, names)?;
     let [a, b] = facts;
-    let mut before = None;
+    let (mut before, mut said) = (None, None);
     for &[stamp_ns, seq] in &a.revolutions {
         let Some(walls) = a.walls.get(&seq).zip(b.walls.get(&seq)) else { continue };
         rec.set_time_sequence("revolution", seq);
@@ -79,7 +86,18 @@ pub(super) fn messages(
         rec.log(DIFFERS_WALLS, &Scalars::new([*walls.0, *walls.1, truth]))?;
         let confidence = [a, b].map(|of| of.confidence.get(&seq).copied().unwrap_or(f64::NAN));
         rec.log(DIFFERS_CONFIDENCE, &Scalars::new(confidence))?;
-        let state = if walls.0 == walls.1 { SAME.to_owned() } else { format!("{} | {}", walls.0, walls.1) };
+        let is_same_grouping = groups_alike(facts, seq);
+        let state = match (walls.0 == walls.1, is_same_grouping) {
+            (true, true) => SAME.to_owned(),
+            (true, false) => format!("{} | {}, grouped otherwise", walls.0, walls.1),
+            (false, _) => format!("{} | {}", walls.0, walls.1),
+        };
+        let here = if state == SAME { None } else { here(facts, seq, names) };
+        let text = here.map_or_else(|| summary.clone(), |here| format!("**Here: {here}.**\n\n{summary}"));
+        if said.as_ref() != Some(&text) {
+            rec.log(DIFFERS_SUMMARY, &TextDocument::from_markdown(text.as_str()))?;
+            said = Some(text);
+        }
         if before.as_ref() != Some(&state) {
             rec.log(DIFFERS, &StateChange::single(state.as_str()))?;
             before = Some(state);
@@ -119,15 +137,30 @@ fn truth_at(facts: [&Facts; 2], seq: i64) -> Option<f64> {
 }
 
 /// The first stage that made something else of a revolution, and of what.
-fn part_at([a, b]: [&Facts; 2], seq: i64) -> [&'static str; 2] {
-    let [a, b] = [a, b].map(|of| of.made.get(&seq).copied().unwrap_or_default());
+fn part_at(facts: [&Facts; 2], seq: i64) -> [&'static str; 2] {
+    let [a, b] = made_at(facts, seq);
     a.parts_from(&b)
+}
+
+fn made_at(facts: [&Facts; 2], seq: i64) -> [Made; 2] {
+    facts.map(|of| of.made.get(&seq).cloned().unwrap_or_default())
+}
+
+/// Whether both have the same walls of a revolution.
+fn groups_alike(facts: [&Facts; 2], seq: i64) -> bool {
+    let [a, b] = made_at(facts, seq);
+    a.grouping.is_as(&b.grouping)
+}
+
+/// Why the walls of a revolution differ, in words.
+fn here(facts: [&Facts; 2], seq: i64, [a, b]: &[String; 2]) -> Option<String> {
+    let [of_a, of_b] = made_at(facts, seq);
+    of_a.grouping.words(&of_b.grouping, [a, b])
 }
 
 /// "They part at affinity (W) in 40, at report (walls) in 16; k is another one in 40." The stages come in the order in which
 /// they run.
 fn parting(facts: [&Facts; 2], differing: &[i64]) -> String {
-    let [a, b] = facts;
     let mut stages: Vec<([&str; 2], usize)> =
         ["ingest", "affinity", "spectral", "kmeans", "report"].map(|stage| ([stage, ""], 0)).to_vec();
     for seq in differing {
@@ -142,8 +175,11 @@ fn parting(facts: [&Facts; 2], differing: &[i64]) -> String {
         .filter(|(_, times)| *times > 0)
         .map(|([stage, of], times)| format!("at **{stage}** ({of}) in {}", several(*times)))
         .collect();
-    let made_of = |of: &Facts, seq: &i64| of.made.get(seq).copied().unwrap_or_default();
-    let other_k = differing.iter().filter(|seq| !made_of(a, seq).has_k_of(&made_of(b, seq))).count();
+    let has_other_k = |seq: &i64| {
+        let [a, b] = made_at(facts, *seq);
+        !a.has_k_of(&b)
+    };
+    let other_k = differing.iter().filter(|seq| has_other_k(seq)).count();
     let k = if other_k == 0 { "the same".to_owned() } else { format!("another one in {}", several(other_k)) };
     format!("They part {}; k is {k}.", named.join(", "))
 }
@@ -156,7 +192,7 @@ fn stretches(facts: [&Facts; 2]) -> (Vec<Stretch>, usize) {
         let Some((&of_a, &of_b)) = a.walls.get(&seq).zip(b.walls.get(&seq)) else { continue };
         common += 1;
         let previous = std::mem::replace(&mut before, seq);
-        if of_a == of_b {
+        if of_a == of_b && groups_alike(facts, seq) {
             continue;
         }
         let (walls, truth, from) = ([of_a, of_b], truth_at(facts, seq), part_at(facts, seq));
@@ -178,8 +214,12 @@ fn summary(
     common: usize,
 ) -> String {
     let ([a, b], [left, right]) = (names, files);
-    let in_stretch = |seq: i64| stretches.iter().any(|stretch| (stretch.first..=stretch.last).contains(&seq));
-    let differing: Vec<i64> = facts[0].walls.keys().copied().filter(|seq| in_stretch(*seq)).collect();
+    let of_stretches = |by_count: bool| -> Vec<i64> {
+        let of = stretches.iter().filter(|of| !by_count || of.walls[0] != of.walls[1]);
+        let spans: Vec<_> = of.map(|of| of.first..=of.last).collect();
+        facts[0].walls.keys().copied().filter(|seq| spans.iter().any(|span| span.contains(seq))).collect()
+    };
+    let (all, differing) = (of_stretches(false).len(), of_stretches(true));
     let mut text = match (common, differing.len()) {
         (0, _) => "**No revolution is in both recordings.**".to_owned(),
         (_, 0) => format!("**{a} and {b} count the same walls in all {common} revolutions.**"),
@@ -190,6 +230,9 @@ fn summary(
     if !differing.is_empty() && facts.iter().any(|of| !of.truth.is_empty()) {
         let [of_a, of_b] = facts.map(right_of);
         let _ = write!(text, " There {a} is right in {of_a}, {b} in {of_b}.");
+    }
+    if all > differing.len() {
+        let _ = write!(text, " In {} the count is the same, grouped otherwise.", all - differing.len());
     }
     if !differing.is_empty() {
         let _ = write!(text, " {}", parting(facts, &differing));

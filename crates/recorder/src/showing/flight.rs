@@ -12,6 +12,7 @@ use rerun::{CoordinateFrame, StoreKind, TextDocument, Transform3D, components};
 
 use super::error::ShowError;
 use super::made::{self, Made, numbers};
+use super::recolored::{Colors, recolored};
 use crate::below::moved;
 use crate::layout::Extent;
 use crate::schema;
@@ -49,6 +50,8 @@ pub(super) struct Destination {
     pub(super) below: Option<EntityPath>,
     /// Whether the layout of the recording is sent with it.
     pub(super) own_layout: bool,
+    /// Other colours of its walls.
+    pub(super) colors: Colors,
 }
 
 /// The files of one flight, in order.
@@ -128,7 +131,12 @@ impl Destination {
         facts.learn(&entity, arrow)?;
         let Some(below) = &self.below else { return Ok(Some(message)) };
         made::learn(&mut facts.made, &entity, &chunk_of(arrow)?);
-        Ok(Some(LogMsg::ArrowMsg(self.store.clone(), moved(arrow, below)?)))
+        if self.colors.is_empty() {
+            return Ok(Some(LogMsg::ArrowMsg(self.store.clone(), moved(arrow, below)?)));
+        }
+        let mut arrow = arrow.clone();
+        arrow.batch = recolored(&arrow.batch, &self.colors);
+        Ok(Some(LogMsg::ArrowMsg(self.store.clone(), moved(&arrow, below)?)))
     }
 }
 
@@ -172,6 +180,13 @@ impl Facts {
             _ => {}
         }
         Ok(())
+    }
+
+    /// Gives the walls of each revolution the colours of those of the other flight that share the most beams: by revolution the new
+    /// class of each old one.
+    pub(super) fn color_as(&mut self, other: &Self) -> Colors {
+        let made = self.made.iter_mut();
+        made.filter_map(|(seq, made)| Some((*seq, made.grouping.color_as(&other.made.get(seq)?.grouping)))).collect()
     }
 
     /// The revolution that was the latest at this time; before the first one, the first.

@@ -4,12 +4,13 @@ use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 
 use rerun::log::Chunk;
-use rerun::{ComponentDescriptor, EncodedDepthImage, Scalars, Tensor, TensorBuffer, components};
+use rerun::{ComponentDescriptor, EncodedDepthImage, Scalars, Tensor, TensorBuffer, TextDocument, components};
 
+use super::grouping::{Grouping, Wall, runs, weakest_edges};
 use crate::schema;
 
 /// What the recording has of the output of the stages for a revolution: numbers that are equal where the outputs are equal.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Made {
     /// Number of returns, by ingest.
     returns: Option<f64>,
@@ -18,6 +19,8 @@ pub(super) struct Made {
     k: Option<f64>,
     /// Of the clusters, whatever their numbers.
     clusters: Option<u64>,
+    /// The walls of the beams.
+    pub(super) grouping: Grouping,
 }
 
 impl Made {
@@ -48,17 +51,40 @@ pub(super) fn learn(made: &mut BTreeMap<i64, Made>, entity: &str, chunk: &Chunk)
     const AFFINITY_W: &str = schema::AFFINITY_W.path;
     const SPECTRAL_K: &str = schema::SPECTRAL_K.path;
     const KMEANS_LABELS: &str = schema::KMEANS_LABELS.path;
+    const REPORT_LABELS: &str = schema::REPORT_LABELS.path;
+    const REPORT_WALLS: &str = schema::REPORT_WALLS.path;
+    const REPORT_WHY: &str = schema::REPORT_WHY.path;
+    let tensor = Tensor::descriptor_data();
     match entity {
+        REPORT_LABELS => {
+            let labels = values(chunk, &tensor, |labels: &components::TensorData| match &labels.buffer {
+                TensorBuffer::I32(labels) => Some(runs(labels)),
+                _ => None,
+            });
+            labels.into_iter().for_each(|(seq, of)| made.entry(seq).or_default().grouping.labels = of);
+        }
+        REPORT_WALLS => {
+            let walls = values(chunk, &tensor, |walls: &components::TensorData| match &walls.buffer {
+                TensorBuffer::F64(rows) => Some(rows.chunks_exact(6).map(Wall::of).collect()),
+                _ => None,
+            });
+            walls.into_iter().for_each(|(seq, of)| made.entry(seq).or_default().grouping.walls = of);
+        }
+        REPORT_WHY => {
+            let text = TextDocument::descriptor_text();
+            let weakest = values(chunk, &text, |text: &components::Text| Some(weakest_edges(text)));
+            weakest.into_iter().for_each(|(seq, of)| made.entry(seq).or_default().grouping.weakest = of);
+        }
         SCAN_COUNT => numbers(chunk).into_iter().for_each(|(seq, of)| made.entry(seq).or_default().returns = Some(of)),
         SPECTRAL_K => numbers(chunk).into_iter().for_each(|(seq, of)| made.entry(seq).or_default().k = Some(of)),
         AFFINITY_W => {
-            let prints = prints(chunk, &EncodedDepthImage::descriptor_blob(), |blob: &components::Blob| {
+            let prints = values(chunk, &EncodedDepthImage::descriptor_blob(), |blob: &components::Blob| {
                 Some(print(blob.0.0.as_ref()))
             });
             prints.into_iter().for_each(|(seq, of)| made.entry(seq).or_default().w = Some(of));
         }
         KMEANS_LABELS => {
-            let prints = prints(chunk, &Tensor::descriptor_data(), |labels: &components::TensorData| {
+            let prints = values(chunk, &tensor, |labels: &components::TensorData| {
                 let TensorBuffer::I32(labels) = &labels.buffer else { return None };
                 Some(print(&renumbered(labels)))
             });
@@ -68,15 +94,15 @@ pub(super) fn learn(made: &mut BTreeMap<i64, Made>, entity: &str, chunk: &Chunk)
     }
 }
 
-/// A print of the first value of a component at each revolution, where there is one.
-fn prints<C: rerun::Component>(
+/// What is made of the first value of a component at each revolution, where there is one.
+fn values<C: rerun::Component, T>(
     chunk: &Chunk,
     component: &ComponentDescriptor,
-    print: impl Fn(&C) -> Option<u64>,
-) -> Vec<(i64, u64)> {
+    make: impl Fn(&C) -> Option<T>,
+) -> Vec<(i64, T)> {
     let revolutions = chunk.timelines().get(&"revolution".into()).map_or(&[][..], |column| column.times_raw());
     let value = |row: usize| chunk.component_batch::<C>(component.component, row)?.ok()?.into_iter().next();
-    revolutions.iter().enumerate().filter_map(|(row, &seq)| Some((seq, print(&value(row)?)?))).collect()
+    revolutions.iter().enumerate().filter_map(|(row, &seq)| Some((seq, make(&value(row)?)?))).collect()
 }
 
 fn print<T: std::hash::Hash>(values: &[T]) -> u64 {
@@ -113,13 +139,17 @@ mod tests {
 
     #[test]
     fn flights_part_at_the_first_stage_that_made_something_else() {
-        let made = Made { returns: Some(340.0), w: Some(1), k: Some(3.0), clusters: Some(7) };
+        let made = Made { returns: Some(340.0), w: Some(1), k: Some(3.0), clusters: Some(7), ..Made::default() };
         let from = |other: Made| made.parts_from(&other)[0];
-        assert_eq!(from(Made { returns: Some(339.0), w: Some(2), ..made }), "ingest");
-        assert_eq!(from(Made { w: Some(2), k: Some(4.0), ..made }), "affinity");
-        assert_eq!(from(Made { w: None, k: Some(4.0), ..made }), "spectral", "a light recording has no picture of W");
-        assert_eq!(from(Made { clusters: Some(8), ..made }), "kmeans");
-        assert_eq!(from(made), "report");
+        assert_eq!(from(Made { returns: Some(339.0), w: Some(2), ..made.clone() }), "ingest");
+        assert_eq!(from(Made { w: Some(2), k: Some(4.0), ..made.clone() }), "affinity");
+        assert_eq!(
+            from(Made { w: None, k: Some(4.0), ..made.clone() }),
+            "spectral",
+            "a light recording has no picture of W"
+        );
+        assert_eq!(from(Made { clusters: Some(8), ..made.clone() }), "kmeans");
+        assert_eq!(from(made.clone()), "report");
     }
 
     #[test]

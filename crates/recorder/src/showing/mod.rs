@@ -8,7 +8,9 @@ mod control;
 mod differences;
 mod error;
 mod flight;
+mod grouping;
 mod made;
+mod recolored;
 mod sensors;
 
 use std::fs::File;
@@ -21,6 +23,7 @@ use rerun::sink::LogSink as _;
 
 pub use self::error::ShowError;
 use self::flight::{Destination, Facts, Flight};
+use self::recolored::Colors;
 use crate::RecorderError;
 use crate::layout::{self, Layout, Shown, Side};
 use crate::serving::{self, Served};
@@ -109,12 +112,20 @@ impl Opened<'_> {
     fn send(&self, take: &mut dyn FnMut(LogMsg) -> bool) -> Result<(Vec<String>, Vec<[i64; 2]>), ShowError> {
         let store = self.flight.store();
         let own_layout = self.show.layout.is_none() && self.beside.is_none() && self.show.sensors.is_empty();
-        let at = |below: Option<&str>| Destination { store: store.clone(), below: below.map(Into::into), own_layout };
+        let at = |below: Option<&str>| Destination {
+            store: store.clone(),
+            below: below.map(Into::into),
+            own_layout,
+            colors: Colors::default(),
+        };
         let (first, mut facts, mut pictures) = (self.show.layout, Facts::default(), Vec::new());
         if let Some(beside) = &self.beside {
-            let mut damages = self.flight.send(&at(Some(LEFT)), &mut facts, take)?;
             let mut other = Facts::default();
-            damages.extend(beside.send(&at(Some(RIGHT)), &mut other, take)?);
+            let mut damages = beside.send(&at(Some(RIGHT)), &mut other, &mut |_| true)?;
+            damages.splice(0..0, self.flight.send(&at(Some(LEFT)), &mut facts, take)?);
+            // Read again, in the colours of the first.
+            let colors = other.color_as(&facts);
+            beside.send(&Destination { colors, ..at(Some(RIGHT)) }, &mut Facts::default(), take)?;
             let files = names([&self.show.flight[0], &self.show.beside[0]]);
             let names = differences::titles(&files, [&facts, &other]);
             let compared = differences::messages(store, &names, &files, [&facts, &other]);

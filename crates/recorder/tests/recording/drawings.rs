@@ -64,14 +64,36 @@ pub(crate) fn comparison(entity: &str, component: &str) -> Option<fn(&Value, &Fr
                 .iter())
         },
         ("/scan/links", "LineStrips3D:strips") => |value, frame| lines(value) == links(frame),
-        ("/scan/links/edges", "LineStrips3D:strips") => |value, frame| {
-            let flat = |line: &Vec<Vec<f64>>| line.iter().map(|p| p[..2].to_vec()).collect::<Vec<_>>();
-            lines(value).iter().map(flat).eq(links(frame).iter().map(flat))
-        },
         ("/scan/links", "LineStrips3D:colors") => |value, frame| wholes(value).len() == links(frame).len(),
-        ("/scan/links", "Points3D:positions") => |value, frame| points(value).len() == decisive(frame).len(),
+        ("/scan/links", "Points3D:positions") => |value, frame| points(value).len() == links(frame).len(),
         ("/scan/links", "Points3D:labels") => |value, frame| {
-            texts(value).iter().zip(decisive(frame)).all(|(label, k)| label.starts_with(&format!("k = {k} if ")))
+            let [nearest, others @ ..] = texts(value) else { return links(frame).is_empty() };
+            let count = Explanation::of(frame).nearest(frame).map_or(0, |near| near.count);
+            nearest.starts_with(&format!("{count} wall")) && others.iter().all(|label| label.starts_with("k = "))
+        },
+        ("/scan/numbers", "Points3D:labels") => |value, frame| {
+            texts(value).iter().eq(frame
+                .junction
+                .walls
+                .iter()
+                .map(|wall| wall.id.to_string())
+                .collect::<Vec<_>>()
+                .iter())
+        },
+        ("/scan/numbers", "Points3D:class_ids") => {
+            |value, frame| wholes(value).into_iter().eq(frame.junction.walls.iter().map(|wall| i64::from(wall.id)))
+        }
+        ("/scan/numbers", "Points3D:positions") => |value, frame| points(value).len() == frame.junction.walls.len(),
+        // A ring around both ends of the gap that is nearest to another count: its middle is between them.
+        ("/scan/numbers", "LineStrips3D:strips") => |value, frame| {
+            let explanation = Explanation::of(frame);
+            let near = explanation.nearest(frame).filter(|_| explanation.may_be_none.is_none());
+            near.map(|near| near.returns).is_none_or(|[i, j]| {
+                let middle = nalgebra::center(&frame.revolution.points_m[i], &frame.revolution.points_m[j]);
+                let ring = &lines(value)[0];
+                let far = |p: &Vec<f64>| (p[0] - middle.x).hypot(p[1] - middle.y);
+                ring.iter().all(|p| (far(p) - far(&ring[0])).abs() < 0.05)
+            })
         },
         ("/affinity/links", "LineStrips3D:strips") => |value, frame| {
             let is_link = |edge: &[Vec<f64>]| {
@@ -146,7 +168,7 @@ pub(crate) fn comparison(entity: &str, component: &str) -> Option<fn(&Value, &Fr
                 && lines.iter().filter(|column| column[1][1] < 0.0).count() == lines.len() / 2
         },
         ("/affinity/gaps/values", "Points2D:labels") => {
-            |value, _| texts(value).iter().all(|width| width.ends_with(" m"))
+            |value, _| texts(value).iter().all(|label| label.ends_with(" m") || label.parse::<u32>().is_ok())
         }
         ("/affinity/gaps/values", _) => |_, _| true,
         ("/spectral/U/picture", "EncodedDepthImage:blob") => {
@@ -176,17 +198,15 @@ pub(crate) fn comparison(entity: &str, component: &str) -> Option<fn(&Value, &Fr
     })
 }
 
-/// The weakest link of each wall and the strongest between two, as lines.
-fn links(frame: &Frame) -> Vec<Vec<Vec<f64>>> {
+/// The gap that the sentence names, then the edges of other changes, as lines.
+pub(crate) fn links(frame: &Frame) -> Vec<Vec<Vec<f64>>> {
     let explanation = Explanation::of(frame);
-    let weakest = explanation.walls.iter().filter_map(|wall| wall.weakest);
-    let links = weakest.chain(explanation.strongest().map(|(_, link)| link));
-    links.map(|link| link.returns.iter().map(|&i| drawn(&frame.revolution.points_m[i])).collect()).collect()
-}
-
-/// The counts that there would be if a link were another.
-fn decisive(frame: &Frame) -> Vec<usize> {
-    Explanation::of(frame).changes.iter().filter(|change| change.edge.is_some()).map(|change| change.k).collect()
+    let nearest = explanation.nearest(frame).map(|near| near.returns);
+    let sorted = |[a, b]: [usize; 2]| [a.min(b), a.max(b)];
+    let changes = explanation.changes.iter().filter_map(|change| Some(change.edge?.returns));
+    let changes = changes.filter(|returns| nearest.map(sorted) != Some(sorted(*returns)));
+    let links = nearest.into_iter().chain(changes);
+    links.map(|returns| returns.iter().map(|&i| drawn(&frame.revolution.points_m[i])).collect()).collect()
 }
 
 /// Whether points are the first three columns of `rows`, with the scale that brings the farthest row of U to 1.
@@ -219,7 +239,7 @@ fn is_of_ranges(line: &[Vec<f64>], frame: &Frame) -> bool {
         let near = [-1.0, 0.0, 1.0].map(|side| ((vertex[0] + 0.1 * side * along) / along).floor());
         let range = |place: f64| sweep(frame).ranges_m.get(place as usize).map_or(f64::NAN, |m| f64::from(*m));
         vertex[1] < -height - 1.0
-            || near.iter().any(|&place| (vertex[1] + height * range(place) / REACH_M).abs() < 1e-3)
+            || near.iter().any(|&place| (vertex[1] + height * range(place) / REACH_M).abs() < 0.01)
     })
 }
 

@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use crosscut_detector::{Config, Registry, elapsed_ns, panic_text};
 use crosscut_evaluate::flights::{FlightFigures, FlightScore};
+use crosscut_evaluate::tolerance::Tolerances;
 use crosscut_evaluate::verdict::Surer;
 use crosscut_evaluate::{Agreement, Differences, Evaluation, Score, Variants, flips, settings_of_step};
 use crosscut_flight::{Flight as Follower, Mapper};
@@ -53,6 +54,8 @@ pub(super) struct Answers {
     /// The `seq` of each revolution that was compared with its truth, and whether it is right.
     pub(super) right: Vec<(u64, bool)>,
     pub(super) timings: Vec<(u64, Timings)>,
+    /// The zero tolerances by which counts would be right.
+    pub(super) tolerances: Tolerances,
     /// How many revolutions have no answer, and why the first has none.
     failed: Option<(u64, Failure)>,
     /// The figures of the flight, if its mine is known.
@@ -60,7 +63,7 @@ pub(super) struct Answers {
 }
 
 impl Answers {
-    fn add(&mut self, frame: &Frame, score: Option<&Score>) {
+    fn add(&mut self, frame: &Frame, judged: Option<(&Truth, &Score)>) {
         if let Some(failure) = &frame.failure {
             self.failed.get_or_insert_with(|| (0, failure.clone())).0 += 1;
             return;
@@ -71,7 +74,8 @@ impl Answers {
             self.confidence = (sum + confidence, known + 1, sure + u64::from(confidence >= SURE));
         }
         self.timings.push((frame.revolution.seq, frame.timings));
-        if let Some(score) = score {
+        if let Some((truth, score)) = judged {
+            self.tolerances.add(&frame.spectrum.eigenvalues, truth.walls as usize);
             self.evaluation.add(score);
             self.right.push((frame.revolution.seq, score.right));
         }
@@ -275,7 +279,7 @@ pub(super) fn compare(
         for reader in readers.iter_mut().filter(|reader| reader.seq() == Some(seq)) {
             first_stamp_ns.get_or_insert(reader.frame.revolution.stamp_ns);
             let answered = reader.answer(&mut |place, frame, judged| {
-                answers[place].add(frame, judged.map(|(_, score)| score));
+                answers[place].add(frame, judged);
                 if let (Some(followed), None) = (&mut followed[place], &frame.failure) {
                     followed.add(frame, judged.map(|(truth, _)| truth));
                 }

@@ -6,6 +6,7 @@ use crosscut_evaluate::experiment::{self, Experiment, Outcome};
 use crosscut_evaluate::flights::FlightFigures;
 use crosscut_evaluate::tables::{self, Table};
 use crosscut_evaluate::times::Stopwatch;
+use crosscut_evaluate::tolerance::{SUITS, Tolerances};
 use crosscut_evaluate::verdict::Surer;
 use crosscut_evaluate::{Differences, Evaluation, Proportion, Scoreboard, Stretch};
 use serde_json::{Value, json};
@@ -96,6 +97,7 @@ impl<'a> Shown<'a> {
         if shows_differences {
             sentences.extend(self.others(&self.surer).map(|(other, surer)| surer.sentence(self.first(), other)));
         }
+        sentences.extend(self.other_tolerances());
         sentences.extend(looking::hint(&wrong, details));
         let mut shown = Vec::new();
         if !self.grid.keys.is_empty() {
@@ -126,6 +128,27 @@ impl<'a> Shown<'a> {
         let sentences: String = sentences.into_iter().map(|sentence| sentence + "\n").collect();
         let space = if sentences.is_empty() { "" } else { "\n" };
         format!("{sentences}{space}{}{}", typeset::text(&shown), to_look.unwrap_or_default())
+    }
+
+    /// For each configuration by which hardly any count is right, the zero tolerance that the scans suggest: the eigenvalues of a
+    /// stage of one's own may lie elsewhere.
+    fn other_tolerances(&self) -> Vec<String> {
+        const KEY: &str = "spectral.zero_tolerance";
+        let hint = |(place, of): (usize, &Configuration)| {
+            let mut tolerances = Tolerances::default();
+            self.flights.iter().for_each(|flight| tolerances.merge(&flight.answers[place].tolerances));
+            let right = self.scoreboard.all()[place].figures().right_count.value()?;
+            let (tolerance, share) = tolerances.best().filter(|(_, share)| right < SUITS && *share > right + SUITS)?;
+            of.config.settings().find(|(key, _)| key == KEY)?;
+            Some(format!(
+                "{}: {:.1} % of its counts are right; its eigenvalues suggest another tolerance: with --set {KEY}={tolerance:e} \
+                 about {:.1} % would be",
+                of.name,
+                100.0 * right,
+                100.0 * share
+            ))
+        };
+        self.configurations.iter().enumerate().filter_map(hint).collect()
     }
 
     /// The commands that show the first stretch where the first two configurations differ.

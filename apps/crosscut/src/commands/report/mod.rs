@@ -89,7 +89,7 @@ pub(crate) fn report(args: &ReportArgs, registry: &Registry) -> anyhow::Result<O
         let names = input.iter().map(|path| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy());
         let title = names.collect::<Vec<_>>().join(", ");
         let look = Look::with(&args.input, &args.config);
-        let page = page::html(&title, &config, &flown, &shown, has_truth, &look);
+        let page = page::html(&title, (args.config.preset(), &config), &flown, &shown, has_truth, &look);
         out.write(&page)?;
         if !args.quiet {
             let map = shown.mapper.map();

@@ -4,6 +4,7 @@ use crosscut_detector::Config;
 use crosscut_evaluate::tables::Table;
 use crosscut_evaluate::{AROUND, Evaluation};
 use crosscut_pipeline::{Answers, RunEnd};
+use crosscut_report::VEHICLE_WIDTH_M;
 use crosscut_stage::{SURE, counted};
 
 use super::Shown;
@@ -18,7 +19,14 @@ const STYLE: &str = include_str!("style.css");
 /// At most this many kinds of notes are listed.
 const MOST_NOTES: usize = 30;
 
-pub(super) fn html(title: &str, config: &Config, flown: &Flown, shown: &Shown, has_truth: bool, look: &Look) -> String {
+pub(super) fn html(
+    title: &str,
+    (preset, config): (&str, &Config),
+    flown: &Flown,
+    shown: &Shown,
+    has_truth: bool,
+    look: &Look,
+) -> String {
     let Shown { course, mapper, no_place, seen, places, evaluation } = shown;
     let summary = &flown.summary;
     let failure = match &summary.end {
@@ -83,11 +91,13 @@ pub(super) fn html(title: &str, config: &Config, flown: &Flown, shown: &Shown, h
         .map(|(name, body)| format!("<section id=\"{}\">\n<h2>{name}</h2>\n{body}</section>\n", id_of(name)))
         .collect();
     let version = env!("CARGO_PKG_VERSION");
+    let vehicle_m = config.params("vehicle").get(VEHICLE_WIDTH_M);
+    let about = format!("{}Vehicle {vehicle_m} m wide, preset {}.", course.began(), escaped(preset));
     // The empty icon keeps a browser from asking for one.
     format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<link rel=\"icon\" href=\"data:,\">\n\
-         <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n{sections}\
+         <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n<p class=\"legend\">{about}</p>\n{sections}\
          <p>Made by crosscut {version}.</p>\n</body>\n</html>\n"
     )
 }

@@ -149,7 +149,11 @@ impl Stay {
     fn html(&self, map: &Map, look: &Look) -> String {
         let is_visit = |[from_ns, to_ns]: &[u64; 2]| *from_ns <= self.stamps_ns[1] && self.stamps_ns[0] <= *to_ns;
         let node = map.nodes.iter().position(|node| node.visits.iter().any(is_visit));
-        let node = node.map(|node| format!(" · node {node} of the map")).unwrap_or_default();
+        let stretch = |node: usize| match map.stretches_from_ns.len() {
+            0 | 1 => String::new(),
+            _ => format!(", stretch {}", map.stretch_of(&map.nodes[node]) + 1),
+        };
+        let node = node.map(|node| format!(" · node {node} of the map{}", stretch(node))).unwrap_or_default();
         let [from, to] = self.seqs;
         let Scan { seq, confidence, k, margin_decades, .. } = self.clearest;
         let margin = margin_decades.map(|decades| format!(", margin {decades:.1} decades")).unwrap_or_default();

@@ -54,7 +54,7 @@ pub(crate) struct RrdGetArgs {
     #[arg(long)]
     pub(super) exact: bool,
     /// Output: .npy or .csv; for text also .md, or `-` for standard output.
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", default_value = "-")]
     pub(super) out: PathBuf,
 }
 
