@@ -49,17 +49,19 @@ pub(super) type Best = (Candidate, Option<f64>);
 /// The best of these places, and whether its lead is clear.
 pub(super) fn best(mut candidates: Vec<Candidate>) -> Option<(Best, bool)> {
     candidates.sort_by(|a, b| b.odds.total_cmp(&a.odds));
-    let best = (!candidates.is_empty()).then(|| candidates.remove(0))?;
-    let runner_up = candidates.iter().find(|other| other.is_elsewhere(&best));
-    let has_clear_lead = runner_up.is_none_or(|other| best.odds - other.odds >= LEAST_LEAD);
+    let mut candidates = candidates.into_iter();
+    let best = candidates.next()?;
+    let runner_up = candidates.find(|other| other.is_elsewhere(&best));
+    let has_clear_lead = runner_up.as_ref().is_none_or(|other| best.odds - other.odds >= LEAST_LEAD);
     let runner_up = runner_up.map(|other| other.fit.share);
     let is_clear = best.odds >= LEAST_ODDS && has_clear_lead;
     Some(((best, runner_up), is_clear))
 }
 
 impl Candidate {
-    /// A place by a fit, where poses have the visit at `apart` with a standard deviation of `sd_m`: of the share s, and of how
-    /// far d the two lie apart, by the density of a place there, c s - d² / 2 σ² - ln σ².
+    /// A place by a fit, where poses have the visit at `apart` with a standard deviation of `sd_m`. With the share s of a fit and
+    /// its distance d from `apart`, whose variance together with that of a fit is σ², the log odds are c (s - s₀) - d² / 2σ² - ln σ²,
+    /// σ in the last term up to [`MOST_SD_M`], and [`OF_EXPECTED`] more for the place that is expected.
     pub(super) fn new(node: usize, fit: Fit, apart: &Isometry2<f64>, sd_m: f64, is_expected: bool) -> Self {
         let variance_m2 = sd_m * sd_m + FIT_M * FIT_M;
         let off_m2 = (fit.pose.translation.vector - apart.translation.vector).norm_squared();

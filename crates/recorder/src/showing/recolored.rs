@@ -12,7 +12,7 @@ use crate::colors::name_of;
 /// By revolution the new class of each old one.
 pub(super) type Colors = BTreeMap<i64, BTreeMap<u16, u16>>;
 
-/// The rows with new classes; a batch without classes and texts of revolutions is returned as it is.
+/// The rows with new classes; a batch without classes and texts of revolutions is returned unchanged.
 pub(super) fn recolored(batch: &RecordBatch, colors: &Colors) -> RecordBatch {
     let revolutions =
         batch.column_by_name("revolution").and_then(|column| column.as_any().downcast_ref::<Int64Array>());

@@ -41,28 +41,13 @@ impl Course {
 
     /// "Recorded on 2026-11-28 at 17:24 UTC. "; empty where stamps do not count from 1970.
     pub(super) fn began(&self) -> String {
-        const YEAR_2000_S: u64 = 946_684_800;
-        let Some(since_s) =
-            self.moments.first().and_then(|first| (first.stamp_ns / 1_000_000_000).checked_sub(YEAR_2000_S))
-        else {
-            return String::new();
-        };
-        let (mut day, minute) = (since_s / 86_400, since_s / 60 % 1440);
-        let is_leap = |year: u64| u64::from(year % 4 == 0 && (year % 100 != 0 || year % 400 == 0));
-        let mut year = 2000;
-        while day >= 365 + is_leap(year) {
-            day -= 365 + is_leap(year);
-            year += 1;
-        }
-        let months = [31, 28 + is_leap(year), 31, 30, 31, 30, 31, 31, 30, 31, 30];
-        let mut month = 1;
-        for days in months {
-            if day < days {
-                break;
-            }
-            (day, month) = (day - days, month + 1);
-        }
-        format!("Recorded on {year}-{month:02}-{:02} at {:02}:{:02} UTC. ", day + 1, minute / 60, minute % 60)
+        const YEAR_2000_S: i64 = 946_684_800;
+        let first = self
+            .moments
+            .first()
+            .and_then(|first| jiff::Timestamp::from_second((first.stamp_ns / 1_000_000_000) as i64).ok());
+        let first = first.filter(|first| first.as_second() >= YEAR_2000_S);
+        first.map_or_else(String::new, |first| first.strftime("Recorded on %Y-%m-%d at %H:%M UTC. ").to_string())
     }
 
     /// From the first revolution to the last, s.
