@@ -1,6 +1,9 @@
-//! Gaps in the time of a flight: a recording that was interrupted, cut or played in a loop.
+//! Breaks in a flight, across which the scans do not lead: a recording that was interrupted, cut or played in a loop, or walls
+//! that are not those before.
 
 use std::fmt;
+
+use crosscut_stage::NoteCode::{self, N094, N096};
 
 /// Revolutions farther apart than this, and than this many usual intervals, are no neighbours.
 const GAP_S: f64 = 2.0;
@@ -23,6 +26,16 @@ pub(crate) struct Clock {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct TimeGap(f64);
 
+/// What a new stretch begins at, unless odometry leads across.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Break {
+    Gap(TimeGap),
+    /// Too few walls match those before: this share of their line points.
+    Lost {
+        matched: f64,
+    },
+}
+
 impl Clock {
     /// The gap before a revolution, if there is one.
     pub(crate) fn gap(&mut self, stamp_ns: u64) -> Option<TimeGap> {
@@ -38,17 +51,28 @@ impl Clock {
     }
 }
 
-impl TimeGap {
+impl Break {
+    /// The flight before it is another: nothing leads there.
     pub(crate) fn is_back(self) -> bool {
-        self.0 < 0.0
+        matches!(self, Self::Gap(TimeGap(since_s)) if since_s < 0.0)
+    }
+
+    pub(crate) fn code(self) -> NoteCode {
+        match self {
+            Self::Gap(_) => N096,
+            Self::Lost { .. } => N094,
+        }
     }
 }
 
-impl fmt::Display for TimeGap {
+impl fmt::Display for Break {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.is_back() {
-            true => write!(f, "the stamps jump back by {:.1} s", -self.0),
-            false => write!(f, "{:.1} s without a scan", self.0),
+        match self {
+            Self::Lost { matched } => {
+                write!(f, "lost, as only {:.0} % of the walls match those before", 100.0 * matched)
+            }
+            Self::Gap(TimeGap(since_s)) if self.is_back() => write!(f, "the stamps jump back by {:.1} s", -since_s),
+            Self::Gap(TimeGap(since_s)) => write!(f, "{since_s:.1} s without a scan"),
         }
     }
 }
@@ -59,7 +83,7 @@ mod tests {
 
     fn gaps(stamps_s: &[f64]) -> Vec<String> {
         let mut clock = Clock::default();
-        let gap = |stamp_s: &f64| clock.gap((stamp_s * 1e9) as u64).map(|gap| gap.to_string());
+        let gap = |stamp_s: &f64| clock.gap((stamp_s * 1e9) as u64).map(|gap| Break::Gap(gap).to_string());
         stamps_s.iter().filter_map(gap).collect()
     }
 

@@ -17,7 +17,6 @@
 mod agreement;
 mod answer;
 mod belief;
-mod chassis;
 mod directions;
 mod evidence;
 mod flight;

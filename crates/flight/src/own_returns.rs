@@ -1,16 +1,29 @@
-//! Whether parts of the vehicle are in view, for the note that names them: what stands at the same bearing and range for many
-//! scans while most of what is farther away moves. A wall beside which the vehicle flies stands so, too, but goes on beyond.
+//! The vehicle in its own scans: what stands at the same bearing and range while most of what is farther away moves. A wall
+//! beside which the vehicle flies stands so, too, but goes on beyond.
 
 use crosscut_stage::NoteCode::{self, N102};
-use crosscut_stage::{Beam, Sweep, as_setting_rad};
+use crosscut_stage::{Beam, Point, Sweep, as_setting_rad};
 
-use crate::chassis::{FARTHEST_M, MOVES, SECTORS, STAYS_M, sector_of};
+/// Bearings are told apart by sectors of the full turn.
+const SECTORS: usize = 360;
 
-/// Fewer scans do not show it; after this many the search begins anew, as of a vehicle that stands.
-const LEAST_SCANS: u32 = 15;
+/// What is farther from the sensor than this is not the vehicle, metres.
+const FARTHEST_M: f64 = 0.5;
+
+/// A range that changes by less than this stays, metres.
+const STAYS_M: f64 = 0.05;
+
+/// What stays is the vehicle if this share of what is farther away does not.
+const MOVES: f64 = 0.5;
+
+/// So many scans show what may be the vehicle, and so many more that it is; after the last of these numbers the search begins
+/// anew, as of a vehicle that stands.
+const LEAST_SCANS: u32 = 3;
+const SURE_SCANS: u32 = 15;
 const MOST_SCANS: u32 = 300;
 
-/// What is farther away moves by more than this, metres, in this share of all directions. (The walls of a tunnel hardly do.)
+/// It is the vehicle if what is farther away moves by more than this, metres, in this share of all directions. (The walls of a
+/// tunnel hardly do.)
 const MOVED_M: f64 = 0.5;
 const MOVED_SHARE: f64 = 0.1;
 
@@ -23,12 +36,14 @@ const EDGE_M: f64 = 0.15;
 /// More sectors than this are not listed: the least range stands for them.
 const MOST_LISTED: usize = 4;
 
-/// Looks for the vehicle in its own scans until it is found.
+/// Looks for the vehicle in its own scans until it is surely found.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct OwnReturns {
     seen: Vec<Seen>,
     scans: u32,
-    is_found: bool,
+    /// Of each sector the ranges between which the vehicle stands in it, as far as is known now. Empty without any.
+    of_vehicle_m: Vec<Option<[f64; 2]>>,
+    is_sure: bool,
 }
 
 /// The nearest return of a sector, over scans.
@@ -45,22 +60,29 @@ impl Default for Seen {
     }
 }
 
+fn sector_of(bearing_rad: f64) -> usize {
+    ((bearing_rad / std::f64::consts::TAU).rem_euclid(1.0) * SECTORS as f64) as usize % SECTORS
+}
+
+/// The returns of a scan: index, sector, range in metres.
+fn returns(sweep: &Sweep) -> impl Iterator<Item = (usize, usize, f64)> {
+    let beams = sweep.beams.iter().zip(&sweep.bearings_rad).zip(&sweep.ranges_m);
+    beams.filter_map(|((beam, bearing_rad), range_m)| match beam {
+        Beam::Return(at) => Some((*at as usize, sector_of(*bearing_rad), f64::from(*range_m))),
+        Beam::NoReturn | Beam::Unknown => None,
+    })
+}
+
 impl OwnReturns {
-    /// Takes the next scan. The note, with a setting, in the scan that shows it.
+    /// Takes the next scan. The note, with a setting, in the scan that surely shows the vehicle.
     pub(crate) fn add(&mut self, sweep: &Sweep) -> Option<(NoteCode, String)> {
-        let returns = || {
-            let beams = sweep.beams.iter().zip(&sweep.bearings_rad).zip(&sweep.ranges_m);
-            let of_returns = beams.filter(|((beam, _), _)| matches!(beam, Beam::Return(_)));
-            of_returns.map(|((_, bearing_rad), range_m)| (*bearing_rad, f64::from(*range_m)))
-        };
         // Nothing near in view is the usual case.
-        if self.is_found || (self.scans == 0 && !returns().any(|(_, range_m)| range_m < FARTHEST_M)) {
+        if self.is_sure || (self.scans == 0 && !returns(sweep).any(|(_, _, range_m)| range_m < FARTHEST_M)) {
             return None;
         }
         let mut ranges_m = vec![f64::INFINITY; SECTORS];
-        for (bearing_rad, range_m) in returns() {
-            let nearest_m = &mut ranges_m[sector_of(bearing_rad)];
-            *nearest_m = nearest_m.min(range_m);
+        for (_, sector, range_m) in returns(sweep) {
+            ranges_m[sector] = range_m.min(ranges_m[sector]);
         }
         if self.scans == 0 || self.scans == MOST_SCANS {
             (self.seen, self.scans) = (vec![Seen::default(); SECTORS], 0);
@@ -70,31 +92,64 @@ impl OwnReturns {
             seen.scans += 1;
             (seen.nearest_m, seen.farthest_m) = (seen.nearest_m.min(range_m), seen.farthest_m.max(range_m));
         }
-        if self.scans < LEAST_SCANS || !self.has_moved() {
+        if self.scans < LEAST_SCANS || self.moved_share(STAYS_M) < MOVES {
             return None;
         }
-        let of_vehicle = self.of_vehicle();
-        self.is_found = !of_vehicle.is_empty();
-        if !self.is_found {
+        let parts = self.parts();
+        self.of_vehicle_m.clear();
+        if !parts.is_empty() {
+            self.of_vehicle_m.resize(SECTORS, None);
+            for sector in parts.iter().flat_map(within) {
+                let Seen { scans, nearest_m, farthest_m } = self.seen[sector];
+                self.of_vehicle_m[sector] = (scans > 0).then_some([nearest_m, farthest_m]);
+            }
+        }
+        if self.scans < SURE_SCANS || self.moved_share(2.0 * STAYS_M) < MOVES || self.moved_share(MOVED_M) < MOVED_SHARE
+        {
+            return None;
+        }
+        self.is_sure = !parts.is_empty();
+        if !self.is_sure {
             self.scans = 0;
         }
-        self.is_found.then(|| (N102, self.described(&of_vehicle)))
+        self.is_sure.then(|| (N102, self.described(&parts)))
+    }
+
+    /// How many scans it took to find returns that may be the vehicle's; 0 without any.
+    pub(crate) fn found_in(&self) -> u32 {
+        if self.of_vehicle_m.is_empty() { 0 } else { self.scans }
+    }
+
+    /// Whether the vehicle was surely found.
+    pub(crate) fn is_sure(&self) -> bool {
+        self.is_sure
+    }
+
+    /// Adds all returns of a scan but the vehicle's own.
+    pub(crate) fn others(&self, sweep: &Sweep, points_m: &[Point], others_m: &mut Vec<Point>) {
+        // A beam at the edge of two sectors is now in one, now in the other.
+        let stays = |sector: usize, range_m: f64| {
+            let of_vehicle_m = self.of_vehicle_m[sector % SECTORS];
+            of_vehicle_m.is_some_and(|[from_m, to_m]| (from_m - STAYS_M..=to_m + STAYS_M).contains(&range_m))
+        };
+        let is_own = |sector: usize, range_m| [0, 1, SECTORS - 1].into_iter().any(|by| stays(sector + by, range_m));
+        let others = returns(sweep).filter(|&(_, sector, range_m)| !is_own(sector, range_m));
+        others_m.extend(others.map(|(at, _, _)| points_m[at]));
+    }
+
+    /// The share of what is farther away than the vehicle that has moved by more than a length.
+    fn moved_share(&self, by_m: f64) -> f64 {
+        let far = || self.seen.iter().filter(|seen| seen.nearest_m >= FARTHEST_M && self.is_often(seen));
+        let moved = far().filter(|seen| seen.farthest_m - seen.nearest_m > by_m).count();
+        moved as f64 / far().count().max(1) as f64
     }
 
     fn is_often(&self, seen: &Seen) -> bool {
         f64::from(seen.scans) >= SEEN_SHARE * f64::from(self.scans)
     }
 
-    /// Whether most of what is farther away has moved.
-    fn has_moved(&self) -> bool {
-        let far = || self.seen.iter().filter(|seen| seen.nearest_m >= FARTHEST_M && self.is_often(seen));
-        let moved = |by_m: f64| far().filter(|seen| seen.farthest_m - seen.nearest_m > by_m).count() as f64;
-        let all = far().count() as f64;
-        all > 0.0 && moved(2.0 * STAYS_M) >= MOVES * all && moved(MOVED_M) >= MOVED_SHARE * all
-    }
-
     /// The first and the last sector of each part of the vehicle.
-    fn of_vehicle(&self) -> Vec<[usize; 2]> {
+    fn parts(&self) -> Vec<[usize; 2]> {
         let stays = |seen: &Seen| seen.farthest_m < FARTHEST_M && seen.farthest_m - seen.nearest_m < STAYS_M;
         // A lidar with few beams leaves sectors out.
         let seen: Vec<usize> = (0..SECTORS).filter(|sector| self.seen[*sector].scans > 0).collect();
@@ -121,8 +176,7 @@ impl OwnReturns {
     }
 
     fn described(&self, parts: &[[usize; 2]]) -> String {
-        let within = |[first, last]: &[usize; 2]| *first..=first + (last + SECTORS - first) % SECTORS;
-        let of_parts = || parts.iter().flat_map(within).map(|sector| &self.seen[sector % SECTORS]);
+        let of_parts = || parts.iter().flat_map(within).map(|sector| &self.seen[sector]);
         let seen = || of_parts().filter(|seen| seen.scans > 0);
         let nearest_m = seen().fold(f64::INFINITY, |nearest_m, seen| nearest_m.min(seen.nearest_m));
         let farthest_m = seen().fold(0.0, |farthest_m: f64, seen| farthest_m.max(seen.farthest_m));
@@ -140,6 +194,12 @@ impl OwnReturns {
              there stayed while the rest moved; {setting} leaves it out"
         )
     }
+}
+
+/// The sectors from the first to the last of a part.
+fn within([first, last]: &[usize; 2]) -> impl Iterator<Item = usize> + use<> {
+    let (first, others) = (*first, (last + SECTORS - first) % SECTORS);
+    (first..=first + others).map(|sector| sector % SECTORS)
 }
 
 #[cfg(test)]

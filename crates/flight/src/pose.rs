@@ -2,13 +2,12 @@
 
 use nalgebra::{Isometry2, Matrix2, Matrix3, Point2, Vector3};
 
-use crosscut_stage::NoteCode::{self, N090, N091, N092, N093, N094, N095, N096, N097, N098, N103};
+use crosscut_stage::NoteCode::{self, N090, N091, N092, N093, N095, N097, N098, N103};
 use crosscut_stage::{MotionDoubt, Notes, Number, ParamSpec, Params, PoseDoubt, Revolution, Word, is_finite_pose};
 
 use crate::agreement::{Compared, OdometryAgreement, Slip};
 use crate::directions::{Directions, Wrong};
-use crate::gap::{Clock, TimeGap};
-use crate::own_returns::OwnReturns;
+use crate::gap::{Break, Clock};
 use crate::scan_match::NEIGHBOURS_M;
 use crate::{Held, Matched, Motion, ScanMatcher};
 
@@ -42,7 +41,7 @@ const TREMBLES_RAD: f64 = 0.005;
 /// A step of the odometry below this is none, in m and rad: equal poses differ by as much once they are interpolated.
 const MOVED: f64 = 1e-6;
 
-/// After a gap, odometry that leads across it may come up to this many revolutions late.
+/// After a break, odometry that leads across it may come up to this many revolutions late.
 const WAITED: u32 = 5;
 
 /// Gives each revolution of a flight its pose.
@@ -55,14 +54,13 @@ pub struct PoseTracker {
     directions: Directions,
     /// What was found to be wrong with them.
     wrong: Option<Wrong>,
-    own_returns: OwnReturns,
     clock: Clock,
     /// The last revolution that had odometry.
     aided: Option<Aided>,
     /// The odometry has moved since the first. Before that it predicts nothing: some never moves.
     has_moved: bool,
-    /// A gap in time that nothing leads across yet, and how many revolutions there were since.
-    open: Option<(TimeGap, u32)>,
+    /// A break that nothing leads across yet, and how many revolutions there were since.
+    open: Option<(Break, u32)>,
     pose: Isometry2<f64>,
     /// The last motion.
     step: Isometry2<f64>,
@@ -116,7 +114,6 @@ impl PoseTracker {
             agreement: OdometryAgreement::default(),
             directions: Directions::default(),
             wrong: None,
-            own_returns: OwnReturns::default(),
             clock: Clock::default(),
             aided: None,
             has_moved: false,
@@ -147,16 +144,12 @@ impl PoseTracker {
         let mut motion = motion.filter(|_| self.kind != PoseKind::ScanMatch);
         let mut begins = false;
         if let Some(gap) = self.clock.gap(revolution.stamp_ns) {
-            self.open = Some((gap, 0));
+            self.open = Some((Break::Gap(gap), 0));
         }
-        if let Some((gap, since)) = self.open.filter(|(gap, _)| gap.is_back() || motion.is_none()) {
-            let may_lead = self.aided.is_some() && self.kind != PoseKind::ScanMatch && !gap.is_back();
-            if may_lead && since < WAITED {
-                self.open = Some((gap, since + 1));
-                notes.add(N096, format!("pose: {gap}, and no odometry yet that leads across"));
+        if let Some((open, since)) = self.open.take_if(|(open, _)| open.is_back() || motion.is_none()) {
+            if self.waits(open, since, notes) {
                 return None;
             }
-            notes.add(N096, format!("pose: {gap}; a new stretch begins, how it lies to the one before is not known"));
             self.matcher.forget();
             (motion, begins) = (None, true);
         }
@@ -182,19 +175,29 @@ impl PoseTracker {
             if odometry.is_none() && is_expected {
                 notes.add(N093, "pose: no odometry at this time; by the scan alone");
             }
-            let matched = self.matcher.add(revolution, motion.filter(|_| self.has_moved));
+            let mut matched = self.matcher.add(revolution, motion.filter(|_| self.has_moved));
+            notes.extend(self.matcher.own_returns_note());
+            if matched.lost {
+                if self.waits(Break::Lost { matched: matched.matched }, 0, notes) {
+                    return None;
+                }
+                begins = true;
+                self.matcher.forget();
+                matched = self.matcher.add(revolution, None);
+            }
             let mut doubt = self.by_scan(&matched, motion.is_some());
             if let Some(known_m) = matched.guess_known_m {
                 doubt.guessed_m = known_m - self.guessed_m;
             }
             self.guessed_m = if matched.held == Held::Everywhere { 0.0 } else { self.guessed_m + doubt.guessed_m };
-            begins |= matched.lost;
-            notes.extend(odd(&matched, motion.is_some()));
+            if matched.surprise > SURPRISING && motion.is_none() {
+                let times = matched.surprise;
+                notes.add(N095, format!("pose: a slip or a jump, {times:.0} standard deviations from steady motion"));
+            }
             notes.extend(motion.and_then(|motion| self.turned(&motion, &matched, revolution)));
             notes.extend(self.slip(motion.as_ref(), &matched));
             notes.extend(self.unknown_length(&matched, motion.is_some()));
             notes.extend(motion.and_then(|motion| self.compare(&motion, &matched)));
-            notes.extend(revolution.sweep.as_ref().and_then(|sweep| self.own_returns.add(sweep)));
             (matched.pose, doubt)
         };
         if begins {
@@ -217,6 +220,19 @@ impl PoseTracker {
         self.aided = aided.or(self.aided.filter(|_| !begins));
         let is_known = by_odometry || motion.is_some() || begins || self.matcher.has_walls();
         is_known.then_some(Tracked { pose, doubt: self.doubt, lost: begins })
+    }
+
+    /// Whether odometry may still lead across a break, so many revolutions after it; else a new stretch begins.
+    fn waits(&mut self, open: Break, since: u32, notes: &mut Notes) -> bool {
+        let may_lead = self.aided.is_some() && self.kind != PoseKind::ScanMatch && !open.is_back();
+        let waits = may_lead && since < WAITED;
+        self.open = waits.then_some((open, since + 1));
+        let what = match waits {
+            true => ", and no odometry yet that leads across",
+            false => "; a new stretch begins, how it lies to the one before is not known",
+        };
+        notes.add(open.code(), format!("pose: {open}{what}"));
+        waits
     }
 
     /// The motion since the revolution before, by a step of the odometry from the pose `there`.
@@ -329,25 +345,11 @@ impl PoseTracker {
 /// Whether a motion of the scans can be compared with that of the odometry.
 fn is_compared(odometry: &Motion, matched: &Matched) -> bool {
     let are_neighbours = odometry.step.translation.vector.norm() < NEIGHBOURS_M;
-    !matched.lost && matched.held == Held::Everywhere && are_neighbours
+    matched.held == Held::Everywhere && are_neighbours
 }
 
 /// The standard deviation of a motion along a direction, metres.
 fn deviation_m(matched: &Matched, along: &nalgebra::Unit<nalgebra::Vector2<f64>>) -> f64 {
     let position = matched.covariance.fixed_view::<2, 2>(0, 0);
     along.dot(&(position * along.into_inner())).max(0.0).sqrt()
-}
-
-/// What is odd about a match.
-fn odd(matched: &Matched, has_odometry: bool) -> Option<(NoteCode, String)> {
-    if matched.lost {
-        let share = 100.0 * matched.matched;
-        let what = "the map begins here: a new stretch";
-        Some((N094, format!("pose: lost, as only {share:.0} % of the walls match those before; {what}")))
-    } else if matched.surprise > SURPRISING && !has_odometry {
-        let times = matched.surprise;
-        Some((N095, format!("pose: a slip or a jump, {times:.0} standard deviations from steady motion")))
-    } else {
-        None
-    }
 }

@@ -19,12 +19,13 @@ mod by_scans;
 
 use nalgebra::{Isometry2, Matrix2, Matrix3, Point2, Unit, Vector2, Vector3};
 
-use crosscut_stage::{Point, Revolution};
+use crosscut_stage::{NoteCode, Point, Revolution};
 
 use crate::evidence::{MatchEvidence, Matching, stepped};
 use crate::line_points::{LinePoint, least_axis, line_points};
 use crate::local_map::LocalMap;
 use crate::motion::{Earned, MOST_OF_ODOMETRY, Motion, difference, loosest, matching_covariance, steadily, turned};
+use crate::own_returns::OwnReturns;
 use crate::unaided::Unaided;
 
 /// A typical distance of a return from the line that it belongs to: noise of the range and roughness of walls.
@@ -122,7 +123,7 @@ pub struct Matched {
     pub surprise: f64,
     /// Covariance of the motion where odometry has it against the walls, in the map's axes; else zero.
     pub by_odometry: Matrix3<f64>,
-    /// Too few were matched: the pose is the predicted one, and the map begins here.
+    /// Too few were matched: the pose is the predicted one, and nothing of the revolution is remembered.
     pub lost: bool,
     /// Where the walls hold the position.
     pub held: Held,
@@ -162,6 +163,8 @@ pub struct ScanMatcher {
     walls_of_point: f64,
     /// The returns that are not the vehicle's.
     points_m: Vec<Point>,
+    own_returns: OwnReturns,
+    own_returns_note: Option<(NoteCode, String)>,
     unaided: Unaided,
 }
 
@@ -210,10 +213,7 @@ impl ScanMatcher {
     pub fn add(&mut self, revolution: &Revolution, predicted: Option<Motion>) -> Matched {
         let mut points_m = std::mem::take(&mut self.points_m);
         points_m.clear();
-        points_m.extend(&revolution.points_m);
-        if predicted.is_none() {
-            self.unaided.leave_out_vehicle(&mut points_m);
-        }
+        self.leave_out_vehicle(revolution, predicted.is_some(), &mut points_m);
         let every = points_m.len().div_ceil(MOST_POINTS).max(1);
         line_points(&points_m, every, &mut self.line_points);
         let steady = self.steady_motion();
@@ -229,20 +229,39 @@ impl ScanMatcher {
         } else {
             self.match_walls(&points_m, &prediction, steady, predicted.is_some())
         };
-        self.usual.add(&matched, self.walls_of_point);
-        let step = self.unaided.next_step.take().unwrap_or_else(|| self.pose.inv_mul(&matched.pose));
-        self.last_step = if matched.lost { Isometry2::identity() } else { step };
-        self.pose = matched.pose;
-        self.carried = matched.covariance;
-        if matched.lost {
-            self.map.clear();
-        }
-        if !self.is_overruled {
-            let is_remembered = self.remember(&points_m);
-            self.unaided.is_adrift |= is_remembered && matched.held != Held::Everywhere;
+        if !matched.lost {
+            self.usual.add(&matched, self.walls_of_point);
+            let step = self.unaided.next_step.take();
+            self.last_step = step.unwrap_or_else(|| self.pose.inv_mul(&matched.pose));
+            self.pose = matched.pose;
+            self.carried = matched.covariance;
+            if !self.is_overruled {
+                let is_remembered = self.remember(&points_m);
+                self.unaided.is_adrift |= is_remembered && matched.held != Held::Everywhere;
+            }
         }
         self.points_m = points_m;
         matched
+    }
+
+    /// All returns but the vehicle's own; beside odometry, which shows that it moves, only once these are sure.
+    fn leave_out_vehicle(&mut self, revolution: &Revolution, has_odometry: bool, others_m: &mut Vec<Point>) {
+        let was_any = self.own_returns.found_in() > 0;
+        self.own_returns_note = revolution.sweep.as_ref().and_then(|sweep| self.own_returns.add(sweep));
+        let found_in = self.own_returns.found_in();
+        if !has_odometry && !was_any && found_in > 0 {
+            self.unaided.was_held(found_in);
+        }
+        let leaves_out = self.own_returns.is_sure() || (found_in > 0 && !has_odometry);
+        match revolution.sweep.as_ref().filter(|_| leaves_out) {
+            Some(sweep) => self.own_returns.others(sweep, &revolution.points_m, others_m),
+            None => others_m.extend(&revolution.points_m),
+        }
+    }
+
+    /// Takes the note of the revolution that surely shows the vehicle in its own scans.
+    pub(crate) fn own_returns_note(&mut self) -> Option<(NoteCode, String)> {
+        self.own_returns_note.take()
     }
 
     fn match_walls(
@@ -436,10 +455,6 @@ impl UsualShare {
     }
 
     fn add(&mut self, matched: &Matched, walls: f64) {
-        if matched.lost {
-            *self = Self::default();
-            return;
-        }
         let share = if self.revolutions == 0 { 1.0 } else { FOLLOWED };
         self.matched += share * (matched.matched - self.matched);
         // The first revolution has no walls to lie on.

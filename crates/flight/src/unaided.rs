@@ -2,9 +2,6 @@
 
 use nalgebra::Isometry2;
 
-use crosscut_stage::Point;
-
-use crate::chassis::Chassis;
 use crate::line_points::LinePoint;
 use crate::local_map::LocalMap;
 use crate::search::Search;
@@ -26,7 +23,6 @@ pub(crate) struct Unaided {
     /// Those of the revolution before, if the walls did not show it: what comes newly into view is not among the walls.
     pub(crate) fresh: LocalMap,
     pub(crate) search: Search,
-    chassis: Chassis,
 }
 
 impl Unaided {
@@ -38,13 +34,10 @@ impl Unaided {
         self.fresh.clear();
     }
 
-    /// Takes the vehicle's own returns out: they move with it, as if nothing moved.
-    pub(crate) fn leave_out_vehicle(&mut self, points_m: &mut Vec<Point>) {
-        if self.chassis.add(points_m) {
-            // Until now they held the pose, for as many scans as it took.
-            self.is_motion_known = false;
-            self.unknown = Chassis::LEAST_SCANS;
-        }
-        points_m.retain(|point| !self.chassis.has(point));
+    /// The vehicle's own returns, which move with it as if nothing moved, are found. Until now they held the pose, for so many
+    /// revolutions.
+    pub(crate) fn was_held(&mut self, revolutions: u32) {
+        self.is_motion_known = false;
+        self.unknown = revolutions;
     }
 }

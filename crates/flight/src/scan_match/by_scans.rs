@@ -82,7 +82,6 @@ impl ScanMatcher {
         }
         matched.surprise = surprise;
         if matched.lost {
-            self.unaided.follow(false);
             return matched;
         }
         if let Some(along) = axis.filter(|_| !is_shown) {
