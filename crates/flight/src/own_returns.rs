@@ -41,8 +41,10 @@ const MOST_LISTED: usize = 4;
 pub(crate) struct OwnReturns {
     seen: Vec<Seen>,
     scans: u32,
-    /// Of each sector the ranges between which the vehicle stands in it, as far as is known now. Empty without any.
+    /// Of each sector the ranges between which the vehicle stood in it when it was last found there. Empty without any.
     of_vehicle_m: Vec<Option<[f64; 2]>>,
+    /// How many scans it took to find any; 0 before.
+    found_in: u32,
     is_sure: bool,
 }
 
@@ -60,8 +62,10 @@ impl Default for Seen {
     }
 }
 
+/// Whole degrees, as those of many lidars, are in the middle of sectors.
 fn sector_of(bearing_rad: f64) -> usize {
-    ((bearing_rad / std::f64::consts::TAU).rem_euclid(1.0) * SECTORS as f64) as usize % SECTORS
+    let turns = (bearing_rad / std::f64::consts::TAU).rem_euclid(1.0);
+    (turns * SECTORS as f64).round() as usize % SECTORS
 }
 
 /// The returns of a scan: index, sector, range in metres.
@@ -96,13 +100,13 @@ impl OwnReturns {
             return None;
         }
         let parts = self.parts();
-        self.of_vehicle_m.clear();
-        if !parts.is_empty() {
+        if !parts.is_empty() && self.found_in == 0 {
             self.of_vehicle_m.resize(SECTORS, None);
-            for sector in parts.iter().flat_map(within) {
-                let Seen { scans, nearest_m, farthest_m } = self.seen[sector];
-                self.of_vehicle_m[sector] = (scans > 0).then_some([nearest_m, farthest_m]);
-            }
+            self.found_in = self.scans;
+        }
+        for sector in parts.iter().flat_map(within) {
+            let Seen { scans, nearest_m, farthest_m } = self.seen[sector];
+            self.of_vehicle_m[sector] = (scans > 0).then_some([nearest_m, farthest_m]);
         }
         if self.scans < SURE_SCANS || self.moved_share(2.0 * STAYS_M) < MOVES || self.moved_share(MOVED_M) < MOVED_SHARE
         {
@@ -117,7 +121,7 @@ impl OwnReturns {
 
     /// How many scans it took to find returns that may be the vehicle's; 0 without any.
     pub(crate) fn found_in(&self) -> u32 {
-        if self.of_vehicle_m.is_empty() { 0 } else { self.scans }
+        self.found_in
     }
 
     /// Whether the vehicle was surely found.
@@ -180,7 +184,8 @@ impl OwnReturns {
         let seen = || of_parts().filter(|seen| seen.scans > 0);
         let nearest_m = seen().fold(f64::INFINITY, |nearest_m, seen| nearest_m.min(seen.nearest_m));
         let farthest_m = seen().fold(0.0, |farthest_m: f64, seen| farthest_m.max(seen.farthest_m));
-        let beginning_rad = |sector: usize| as_setting_rad(sector as f64 / SECTORS as f64 * std::f64::consts::TAU);
+        let beginning_rad =
+            |sector: usize| as_setting_rad((sector as f64 - 0.5) / SECTORS as f64 * std::f64::consts::TAU);
         let listed =
             |[first, last]: &[usize; 2]| format!("[{:.3}, {:.3}]", beginning_rad(*first), beginning_rad(last + 1));
         let setting = if parts.len() > MOST_LISTED {
@@ -213,7 +218,7 @@ mod tests {
         (0..60).find_map(|scan| {
             let mut sweep = Sweep::default();
             for deg in -180..180 {
-                let deg = f64::from(deg) + 0.5;
+                let deg = f64::from(deg);
                 sweep.bearings_rad.push(deg.to_radians());
                 sweep.ranges_m.push(range_m(deg, 0.1 * f64::from(scan)) as f32);
                 sweep.beams.push(Beam::Return(0));
@@ -229,7 +234,7 @@ mod tests {
         let far = |deg: f64, way_m: f64| wall(deg, 2.0) + rough(deg, way_m) + if deg < 0.0 { way_m } else { 0.0 };
         let post = note(|deg, way_m| if (20.0..30.0).contains(&deg) { 0.3 } else { far(deg, way_m) });
         let post = post.expect("a post");
-        assert!(post.contains("at 0.30 to 0.30 m in 10°") && post.contains("= [[0.349, 0.524]] leaves"), "{post}");
+        assert!(post.contains("at 0.30 to 0.30 m in 10°") && post.contains("= [[0.340, 0.515]] leaves"), "{post}");
         assert_eq!(note(far), None, "nothing near");
         assert_eq!(note(|deg, way_m| if deg > 0.0 { wall(deg, 0.4) } else { far(deg, way_m) }), None, "a smooth wall");
         assert_eq!(note(|deg, _| if (20.0..30.0).contains(&deg) { 0.3 } else { far(deg, 0.0) }), None, "it stands");
