@@ -43,8 +43,8 @@ pub(crate) struct OwnReturns {
     scans: u32,
     /// Of each sector the ranges between which the vehicle stood in it when it was last found there. Empty without any.
     of_vehicle_m: Vec<Option<[f64; 2]>>,
-    /// How many scans it took to find any; 0 before.
-    found_in: u32,
+    /// How many scans it took to find any.
+    found_in: Option<u32>,
     is_sure: bool,
 }
 
@@ -100,9 +100,9 @@ impl OwnReturns {
             return None;
         }
         let parts = self.parts();
-        if !parts.is_empty() && self.found_in == 0 {
+        if !parts.is_empty() && self.found_in.is_none() {
             self.of_vehicle_m.resize(SECTORS, None);
-            self.found_in = self.scans;
+            self.found_in = Some(self.scans);
         }
         for sector in parts.iter().flat_map(within) {
             let Seen { scans, nearest_m, farthest_m } = self.seen[sector];
@@ -119,14 +119,9 @@ impl OwnReturns {
         self.is_sure.then(|| (N102, self.described(&parts)))
     }
 
-    /// How many scans it took to find returns that may be the vehicle's; 0 without any.
-    pub(crate) fn found_in(&self) -> u32 {
+    /// How many scans it took to find returns that may be the vehicle's.
+    pub(crate) fn found_in(&self) -> Option<u32> {
         self.found_in
-    }
-
-    /// Whether the vehicle was surely found.
-    pub(crate) fn is_sure(&self) -> bool {
-        self.is_sure
     }
 
     /// Adds all returns of a scan but the vehicle's own.

@@ -244,18 +244,17 @@ impl ScanMatcher {
         matched
     }
 
-    /// All returns but the vehicle's own; beside odometry, which shows that it moves, only once these are sure.
+    /// All returns but the vehicle's own.
     fn leave_out_vehicle(&mut self, revolution: &Revolution, has_odometry: bool, others_m: &mut Vec<Point>) {
-        let was_any = self.own_returns.found_in() > 0;
+        let was_found = self.own_returns.found_in().is_some();
         self.own_returns_note = revolution.sweep.as_ref().and_then(|sweep| self.own_returns.add(sweep));
         let found_in = self.own_returns.found_in();
-        if !has_odometry && !was_any && found_in > 0 {
-            self.unaided.was_held(found_in);
-        }
-        let leaves_out = self.own_returns.is_sure() || (found_in > 0 && !has_odometry);
-        match revolution.sweep.as_ref().filter(|_| leaves_out) {
+        match revolution.sweep.as_ref().filter(|_| found_in.is_some()) {
             Some(sweep) => self.own_returns.others(sweep, &revolution.points_m, others_m),
             None => others_m.extend(&revolution.points_m),
+        }
+        if let Some(scans) = found_in.filter(|_| !has_odometry && !was_found) {
+            self.unaided.was_held(scans);
         }
     }
 
