@@ -21,14 +21,10 @@ const MOST_TRIES: usize = 2;
 /// A trail that leads this far beyond the mouth of a way leads through it, m.
 const BEYOND_MOUTH_M: f64 = 4.0;
 
-/// A link that the map does not have is taken to be longer by this, m, so that passages of the map go before.
-const LINK_EXTRA_M: f64 = 5.0;
-
 /// What the vehicle notes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Chart {
     notes: Vec<(WayEnd, Noted)>,
-    links: Vec<Link>,
     /// The flight began in a passage that leads on behind.
     pub(crate) begins_midway: bool,
 }
@@ -44,13 +40,6 @@ pub(crate) enum Noted {
     Ended,
     /// It was chosen to fly home.
     Homewards,
-}
-
-/// How the vehicle went from one place to the next.
-#[derive(Clone, Copy, Debug)]
-struct Link {
-    ends: [WayEnd; 2],
-    length_m: f64,
 }
 
 /// A way of a place.
@@ -102,11 +91,6 @@ impl Chart {
         self.notes.iter().filter(|(way, of)| *of == noted && way.is_of(node, bearing_rad)).count()
     }
 
-    /// Notes a flight from one way of a place to one of another place.
-    pub(crate) fn link(&mut self, from: WayEnd, to: WayEnd, length_m: f64) {
-        self.links.push(Link { ends: [from, to], length_m });
-    }
-
     /// What a planner is to know. `in_view` are the ways of the present place in the frame of the map.
     /// `trail_m`: where the vehicle was, on the map.
     pub(crate) fn known(
@@ -142,26 +126,11 @@ impl Chart {
     }
 
     fn way(&self, located: &Located, trail_m: &[Point2<f64>], number: usize, way: &NodeWay) -> KnownWay {
-        let node = &located.map.nodes[number];
         let passage = way.passage.map(|passage| &located.map.passages[passage]);
-        let by_map =
-            passage.map(|passage| (if passage.from == number { passage.to } else { passage.from }, passage.length_m));
-        let is_of_way = |end: &WayEnd| end.is_of(node, way.bearing_rad);
-        let mut by_links = self.links.iter().rev().filter_map(|link| {
-            let other = &link.ends[1 - link.ends.iter().position(is_of_way)?];
-            let to = located.map.nodes.iter().position(|node| other.is_at(node))?;
-            Some((to, link.length_m + LINK_EXTRA_M))
-        });
-        // A place may be passed unnoticed once. Where the way was found to lead elsewhere twice, the map is wrong.
-        let [last, before] = [by_links.next(), by_links.next()];
-        let is_wrong = |by_map: usize| {
-            let elsewhere = |link: Option<(usize, f64)>| link.map(|(to, _)| to).filter(|to| *to != by_map);
-            elsewhere(last).is_some() && elsewhere(last) == elsewhere(before)
-        };
         KnownWay {
             bearing_rad: way.bearing_rad,
-            state: self.state(node, way, trail_m),
-            leads_to: by_map.filter(|(to, _)| !is_wrong(*to)).or(last),
+            state: self.state(&located.map.nodes[number], way, trail_m),
+            leads_to: passage.map(|of| (if of.from == number { of.to } else { of.from }, of.length_m)),
         }
     }
 
@@ -253,21 +222,6 @@ pub(crate) mod tests {
         let (located, mut chart) = (in_a_row(), Chart::default());
         let mut taken = || chart.homewards(&located, &[0.0, 1.6, 3.1], 1.0);
         assert_eq!([taken(), taken(), taken(), taken()], [Some(1), Some(0), Some(2), Some(1)]);
-    }
-
-    #[test]
-    fn a_way_that_led_elsewhere_twice_is_believed_before_the_map() {
-        let located = in_a_row();
-        let mut chart = Chart::default();
-        let end = |visited_ns, bearing_rad| WayEnd { visited_ns, bearing_rad };
-        let mut leads_to = |to: Option<u64>| {
-            to.into_iter().for_each(|to| chart.link(end(0, 0.1), end(to, 3.0), 30.0));
-            chart.known(&located, &[], &[], 0.0).places[0].ways[0].leads_to
-        };
-        assert_eq!(leads_to(None), Some((1, 20.0)), "by the map");
-        assert_eq!(leads_to(Some(2)), Some((1, 20.0)), "a place may have been passed unnoticed");
-        assert_eq!(leads_to(Some(2)), Some((2, 30.0 + LINK_EXTRA_M)), "the map is wrong");
-        assert_eq!(leads_to(Some(1)), Some((1, 20.0)), "the map is right again");
     }
 
     /// Places of a trail along x, 0.4 m apart.

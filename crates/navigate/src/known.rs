@@ -73,13 +73,6 @@ impl PlannerMap {
         new.min_by(|a, b| off_rad(a).total_cmp(&off_rad(b)))
     }
 
-    /// The way of the present place that leads back.
-    pub fn way_back(&self) -> Option<usize> {
-        let ways = &self.places[self.here].ways;
-        let off_rad = |way: &usize| wrap_angle_rad(ways[*way].bearing_rad - self.heading_rad - PI).abs();
-        (0..ways.len()).min_by(|a, b| off_rad(a).total_cmp(&off_rad(b)))
-    }
-
     /// Whether a place is a junction with a way to explore.
     pub fn has_new_way(&self, place: usize) -> bool {
         let place = &self.places[place];

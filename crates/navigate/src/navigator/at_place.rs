@@ -101,11 +101,7 @@ impl Navigator {
         if has_left || is_short || has_failed {
             let really_rad = from.y.atan2(from.x);
             let led_into = !has_failed && wrap_angle_rad(really_rad - left.bearing_rad).abs() < 0.8;
-            let turn_rad = self.correction.rotation.angle();
             self.note_try(&left, led_into);
-            if let Some(left) = &mut self.left {
-                left.really_rad = Some(wrap_angle_rad(really_rad + turn_rad));
-            }
             self.doing = Doing::Follow;
             if has_failed {
                 self.arrive(left.kind, here_m);

@@ -50,8 +50,6 @@ impl Navigator {
                 let trail_m = self.trail.placed_m(&located.visits);
                 self.chart.begins_midway = self.start.leads_on_behind(&trail_m);
                 let known = self.chart.known(located, &trail_m, &in_view, self.course_rad + turn_rad);
-                self.note_link(located, &known);
-                let known = self.chart.known(located, &trail_m, &in_view, self.course_rad + turn_rad);
                 let (way, bearing_rad, why) = self.choose(located, &known, &trail_m);
                 let way = way.and_then(|way| known.places[known.here].ways.get(way));
                 if way.is_some_and(|way| way.state == WayState::New) {
@@ -72,8 +70,8 @@ impl Navigator {
         let bearing_rad = wrap_angle_rad(bearing_rad);
         self.course_rad = bearing_rad;
         (self.is_armed, self.is_elsewhere) = (false, false);
-        let (at_m, way_m) = (here_m, self.way_m);
-        self.left = Some(Left { at_m, bearing_rad, look_m, kind, place, really_rad: None, way_m });
+        let at_m = here_m;
+        self.left = Some(Left { at_m, bearing_rad, look_m, kind, place });
         self.doing = Doing::Leave { began: self.now };
         self.goal_m = here_m + unit(bearing_rad) * look_m.clamp(1.5, 4.0);
         PlaceDecision { at_m, place: located.map(|located| located.node), bearing_rad, why }
@@ -136,17 +134,6 @@ impl Navigator {
                 let way = WayEnd::new(located, wrap_angle_rad(way.bearing_rad + yaw_rad));
                 self.chart.note(way, Noted::Ended);
             }
-        }
-    }
-
-    /// Notes how the vehicle came from the place before.
-    fn note_link(&mut self, located: &Located, known: &PlannerMap) {
-        let Some(left) = self.left.take() else { return };
-        if let (Some(from), Some(bearing_rad)) = (left.place, left.really_rad)
-            && let Some(back) = known.way_back()
-        {
-            let to = WayEnd::new(located, known.places[known.here].ways[back].bearing_rad);
-            self.chart.link(WayEnd { bearing_rad, ..from }, to, self.way_m - left.way_m);
         }
     }
 

@@ -71,9 +71,6 @@ struct Left {
     kind: HereKind,
     /// The way that it is to be left by, if it is on the map.
     place: Option<WayEnd>,
-    /// The direction in which it was really left, in the frame of the map.
-    really_rad: Option<f64>,
-    way_m: f64,
 }
 
 /// Flies a vehicle by what the frames of its flight show.
@@ -105,7 +102,6 @@ pub struct Navigator {
     /// Revolutions near home on the way there.
     near_home: u64,
     now: u64,
-    way_m: f64,
     last_m: Option<Point2<f64>>,
     without_way: u64,
     progress: (u64, Point2<f64>),
@@ -139,7 +135,6 @@ impl Navigator {
             seen_home: Vec::new(),
             near_home: 0,
             now: 0,
-            way_m: 0.0,
             last_m: None,
             without_way: 0,
             progress: (0, Point2::origin()),
@@ -198,7 +193,6 @@ impl Navigator {
         let moved_m = self.last_m.map_or(f64::INFINITY, |last_m| (here_m - last_m).norm());
         if moved_m > 0.2 {
             self.farthest_m = self.farthest_m.max(here_m.coords.norm());
-            self.way_m += if moved_m.is_finite() { moved_m } else { 0.0 };
             self.last_m = Some(here_m);
         }
     }
