@@ -17,6 +17,7 @@ use crate::schema::{
     FLIGHT_UNSURE, FLIGHT_WALLS, FLIGHT_WALLS_NEW, LOG,
 };
 use crate::tensors::f64_vector;
+use crate::words::words;
 
 /// Way and walls are drawn again when the way has grown by this length at least.
 const DRAWN_EVERY_M: f64 = 2.0;
@@ -190,11 +191,7 @@ fn log_scale(rows: &mut Rows, walls: Vec<[f32; 2]>) {
     // The viewer writes the length below the bar, where it would be cut off at the edge of the view.
     let y = bottom - 0.05 * (bottom - top);
     let bar = LineStrips2D::new([[[left, y], [left + length_m as f32, y]]]);
-    let name = Points2D::new([[left + 0.5 * length_m as f32, y]])
-        .with_labels([format!("{length_m} m")])
-        .with_show_labels(true)
-        .with_radii([rerun::Radius::new_ui_points(0.0)])
-        .with_colors([color(WORDS)]);
+    let name = words([([left + 0.5 * length_m as f32, y], format!("{length_m} m"))]);
     rows.log(&FLIGHT_SCALE, &[&bar as &dyn AsComponents, &name]);
 }
 
