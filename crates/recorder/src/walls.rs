@@ -21,7 +21,7 @@ pub(crate) struct Walls {
 
 /// A wall that counts in one of two scans alone.
 pub(crate) struct Alone {
-    /// "4 (lime), 16 returns, is new: before, part of 2 (green)".
+    /// "4 (lime), 16 returns, is new; before, it was part of 2 (green)".
     pub(crate) words: String,
     /// Its class, and the number of the wall that it is part of in the other scan.
     pub(crate) class: u16,
@@ -67,7 +67,7 @@ impl Walls {
                 Some((class, of)) => format!("part of {}", name(class, of)),
                 None => "not seen".to_owned(),
             };
-            let words = format!("{}, {}, {is}, {there}", name(class, wall), counted(wall.returns as u64, "return"));
+            let words = format!("{}, {}, {is} {there}", name(class, wall), counted(wall.returns as u64, "return"));
             Alone { words, class, part_of: most.map(|(_, of)| of.id) }
         };
         alone.map(told).collect()
@@ -91,12 +91,12 @@ fn name(class: u16, wall: &Wall) -> String {
 pub(crate) struct Before(Option<(u64, Walls)>);
 
 impl Before {
-    /// "Since 227 (4 walls): 4 (lime), 16 returns, is new: before, an island.", if the count is another one.
+    /// "Since 227 (4 walls): 4 (lime), 16 returns, is new; before, it was an island.", if the count is another one.
     pub(crate) fn what_changed(&mut self, frame: &Frame, classes: &Classes) -> Option<String> {
         let (seq, before) = self.0.replace((frame.revolution.seq, Walls::of(frame, classes)))?;
         let (_, now) = self.0.as_ref()?;
         let walls = before.counted().count();
-        let told = now.alone(&before, "is new: before").into_iter().chain(before.alone(now, "is gone: now"));
+        let told = now.alone(&before, "is new; before, it was").into_iter().chain(before.alone(now, "is gone; now it is"));
         let told = told.map(|of| of.words).collect::<Vec<_>>().join("; ");
         (now.counted().count() != walls).then(|| format!("Since {seq} ({}): {told}.", counted(walls as u64, "wall")))
     }
@@ -117,13 +117,11 @@ mod tests {
     #[test]
     fn a_wall_that_one_scan_lacks_is_named_with_what_the_other_has_there() {
         let [a, b] = [walls(&[(0, 70), (2, 20)]), walls(&[(0, 40), (1, 30), (2, 20)])];
-        let alone = b.alone(&a, "is counted by default alone: by paper");
-        assert_eq!(alone[0].words, "1 (orange), 30 returns, is counted by default alone: by paper, part of 0 (blue)");
+        let alone = b.alone(&a, "is counted by default alone; by paper it is");
+        assert_eq!(alone[0].words, "1 (orange), 30 returns, is counted by default alone; by paper it is part of 0 (blue)");
         assert_eq!((alone.len(), alone[0].class, alone[0].part_of, a.alone(&b, "").len()), (1, 1, Some(0), 0));
-        assert_eq!(
-            walls(&[(0, 40), (1, 9)]).alone(&walls(&[(0, 40)]), "is gone: now")[0].words.split(", ").last(),
-            Some("not seen")
-        );
+        let gone = &walls(&[(0, 40), (1, 9)]).alone(&walls(&[(0, 40)]), "is gone; now it is")[0].words;
+        assert_eq!(gone, "1 (orange), 9 returns, is gone; now it is not seen");
     }
 
     #[test]

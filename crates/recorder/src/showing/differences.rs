@@ -238,7 +238,7 @@ fn is_other([a, b]: [Option<Vec<f64>>; 2]) -> bool {
 /// Why the walls of a revolution differ: which count in one flight alone, and by which edge they are part of another wall there.
 fn why_differ(walls: [&Walls; 2], names: &[String; 2], texts: &[String; 2]) -> String {
     let alone = [[0, 1], [1, 0]].into_iter().flat_map(|[own, other]| {
-        let is = format!("is counted by {} alone: by {}", names[own], names[other]);
+        let is = format!("is counted by {} alone; by {} it is", names[own], names[other]);
         let told = move |of: crate::walls::Alone| {
             let is_in = |beam: usize| walls[own].seen.get(beam) == Some(&Some(of.class));
             let edge = of.part_of.and_then(|wall| weakest_edge(&texts[other], wall));
