@@ -48,7 +48,10 @@ fn spectral(change: &Change, frame: &Frame, named: &dyn Fn(u32) -> String) -> St
         _ => String::new(),
     };
     format!(
-        "k would be {k} with a tolerance {side} λ{of} = {}, {:.1} decades from τ{joined}. No single edge decides that.",
+        "{} would count as zero, not {}, with a tolerance {side} {} (λ{of}), {:.1} decades from τ{joined}. No single \
+         edge decides that.",
+        counted(*k as u64, "eigenvalue"),
+        frame.spectrum.k,
         power(*eigenvalue),
         decades.abs()
     )

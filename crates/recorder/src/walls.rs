@@ -96,7 +96,8 @@ impl Before {
         let (seq, before) = self.0.replace((frame.revolution.seq, Walls::of(frame, classes)))?;
         let (_, now) = self.0.as_ref()?;
         let walls = before.counted().count();
-        let told = now.alone(&before, "is new; before, it was").into_iter().chain(before.alone(now, "is gone; now it is"));
+        let told =
+            now.alone(&before, "is new; before, it was").into_iter().chain(before.alone(now, "is gone; now it is"));
         let told = told.map(|of| of.words).collect::<Vec<_>>().join("; ");
         (now.counted().count() != walls).then(|| format!("Since {seq} ({}): {told}.", counted(walls as u64, "wall")))
     }
@@ -118,7 +119,10 @@ mod tests {
     fn a_wall_that_one_scan_lacks_is_named_with_what_the_other_has_there() {
         let [a, b] = [walls(&[(0, 70), (2, 20)]), walls(&[(0, 40), (1, 30), (2, 20)])];
         let alone = b.alone(&a, "is counted by default alone; by paper it is");
-        assert_eq!(alone[0].words, "1 (orange), 30 returns, is counted by default alone; by paper it is part of 0 (blue)");
+        assert_eq!(
+            alone[0].words,
+            "1 (orange), 30 returns, is counted by default alone; by paper it is part of 0 (blue)"
+        );
         assert_eq!((alone.len(), alone[0].class, alone[0].part_of, a.alone(&b, "").len()), (1, 1, Some(0), 0));
         let gone = &walls(&[(0, 40), (1, 9)]).alone(&walls(&[(0, 40)]), "is gone; now it is")[0].words;
         assert_eq!(gone, "1 (orange), 9 returns, is gone; now it is not seen");

@@ -71,7 +71,7 @@ pub(super) fn map(views: &mut Views) -> ContainerLike {
         views.answer(),
         views.log("Log"),
     ]);
-    let aside = Vertical::new([words.into(), views.flight_places()]).with_row_shares([1.0, 0.3]);
+    let aside = Vertical::new([words.into(), views.flight_places()]).with_row_shares([1.0, 0.4]);
     let page = Horizontal::new([views.flight_map(), aside.into()]).with_column_shares([1.0, 0.62]);
     page.with_name("Map: places and passages").into()
 }

@@ -243,7 +243,7 @@ fn why_differ(walls: [&Walls; 2], names: &[String; 2], texts: &[String; 2]) -> S
             let is_in = |beam: usize| walls[own].seen.get(beam) == Some(&Some(of.class));
             let edge = of.part_of.and_then(|wall| weakest_edge(&texts[other], wall));
             let edge = edge.filter(|(_, [i, j])| is_in(*i) != is_in(*j));
-            of.words + &edge.map_or_else(String::new, |(edge, _)| format!(", held by one edge, {edge}"))
+            of.words + &edge.map_or_else(String::new, |(edge, _)| format!(", whose weakest edge is {edge}"))
         };
         walls[own].alone(walls[other], &is).into_iter().map(told)
     });
