@@ -52,8 +52,9 @@ impl Answer {
     pub(crate) fn into_result<'py>(self, py: Python<'py>, keep: Keep, kept: Kept) -> PyResult<Bound<'py, PyAny>> {
         let Self { line, eigenvalues, clusters, w, u, markers, timings_ms } = self;
         let [result, wall, opening, _, _, _, of_pose] = classes(py)?;
-        let walls = line.walls.iter().map(|w| {
-            wall.call1((w.id, w.returns, (w.bearing_rad[0], w.bearing_rad[1]), w.island, w.nearest_m, w.nearest_rad))
+        let walls = line.walls.iter().map(|of| {
+            let w = &of.wall;
+            wall.call1((w.id, w.returns, (w.bearing_rad[0], w.bearing_rad[1]), w.island, of.nearest_m, of.nearest_rad))
         });
         let openings = line.openings.iter().map(|o| {
             let walls = (o.walls[0], o.walls[1]);

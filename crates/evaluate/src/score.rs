@@ -96,5 +96,5 @@ fn matched_walls(table: &Contingency, line: &ResultsLine) -> usize {
 
 /// Whether the wall of this label was reported as an island.
 pub(crate) fn is_island(line: &ResultsLine, label: i32) -> bool {
-    line.walls.iter().any(|wall| wall.island && wall.id.cast_signed() == label)
+    line.walls.iter().any(|of| of.wall.island && of.wall.id.cast_signed() == label)
 }

@@ -76,7 +76,7 @@ pub fn stage_values(frame: &Frame) -> Vec<StageValue> {
     add(
         Step::Report,
         "wall_bearings_rad",
-        Values::Numbers(line.walls.iter().flat_map(|wall| wall.bearing_rad).collect()),
+        Values::Numbers(line.walls.iter().flat_map(|of| of.wall.bearing_rad).collect()),
     );
     let of_openings =
         |of: fn(&crosscut_report::OpeningLine) -> f64| Values::Numbers(line.openings.iter().map(of).collect());

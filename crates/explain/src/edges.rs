@@ -6,6 +6,7 @@ use crate::bottleneck::Bottlenecks;
 use crate::change::{self, Change};
 use crate::closest;
 use crate::doubtful::may_be_none;
+use crate::nearest::{Nearest, nearest};
 use crate::wall_edges::{Edge, WallEdges};
 
 /// The explanation of the count of one revolution.
@@ -17,6 +18,8 @@ pub struct Explanation {
     pub changes: Vec<Change>,
     /// If W has no edge between walls: the two closest returns of different walls, after their walls.
     pub closest: Option<([u32; 2], [usize; 2])>,
+    /// The gap at which another decision gives the nearest other count.
+    pub nearest: Option<Nearest>,
     /// The wall without which the count is one less, if it has few returns or stands free inside a gap.
     pub may_be_none: Option<u32>,
 }
@@ -31,7 +34,8 @@ impl Explanation {
         let changes = change::changes(frame, &walls);
         let apart = walls.len() > 1 && walls.iter().all(|wall| wall.strongest.is_none());
         let closest = apart.then(|| closest::pair(frame)).flatten();
-        Self { walls, changes, closest, may_be_none: may_be_none(frame).map(|wall| wall.id) }
+        let nearest = nearest(frame, &changes, closest);
+        Self { walls, changes, closest, nearest, may_be_none: may_be_none(frame).map(|wall| wall.id) }
     }
 }
 

@@ -22,6 +22,8 @@ mod change;
 mod closest;
 mod doubtful;
 mod edges;
+mod judged;
+mod nearest;
 mod sentence;
 mod wall_edges;
 mod watch;
@@ -29,7 +31,8 @@ mod words;
 
 pub use change::Change;
 pub use edges::Explanation;
-pub use sentence::Nearest;
+pub use judged::{Judged, judged};
+pub use nearest::Nearest;
 pub use wall_edges::{Edge, WallEdges};
 pub use watch::{Doubt, Event, Watch};
 pub use words::{inequality, widths};

@@ -2,6 +2,7 @@
 
 use crosscut_stage::{Beam, Frame, Junction, KnownGaps, Place, Spectrum, Verdict, counted};
 
+use crate::judged::{Judged, judged};
 use crate::{Change, Edge, Explanation, WallEdges};
 
 /// The text has a line for at most this many walls.
@@ -136,19 +137,14 @@ impl Words<'_> {
 
     /// The verdicts closest to the threshold, of an affinity that decides where walls end.
     fn verdicts(&self) -> Option<String> {
-        let doubt = |verdict: &Verdict| verdict.room_ratio.ln().abs();
-        let mut verdicts: Vec<Verdict> = self.frame.affinity.verdicts.clone();
-        verdicts.sort_by(|a, b| doubt(a).total_cmp(&doubt(b)));
-        let line = |verdict: &Verdict| {
+        let line = |Judged { verdict, walls, .. }: &Judged| {
             let what = match (verdict.is_opening, verdict.room_ratio >= 1.0) {
                 (true, _) => "an opening",
                 (false, false) => "the wall continues",
                 (false, true) => "the wall continues nevertheless, because its pieces were joined one by one",
             };
-            let returns = verdict.returns.map(|i| i as usize);
-            let between = self.between(returns);
-            let walls = returns.map(|i| self.frame.junction.wall_of_return.get(i).copied().flatten());
-            let whose = match walls {
+            let between = self.between(verdict.returns.map(|i| i as usize));
+            let whose = match *walls {
                 [Some(a), Some(b)] if a != b => format!(" between {} and {}", self.wall(a), self.wall(b)),
                 [Some(a), Some(_)] => format!(" in {}", self.wall(a)),
                 _ => String::new(),
@@ -164,7 +160,7 @@ impl Words<'_> {
             };
             format!("- {what}{whose} ({between}): {room}{odds}")
         };
-        let lines: Vec<String> = verdicts.iter().take(MOST_VERDICTS).map(line).collect();
+        let lines: Vec<String> = judged(self.frame).iter().take(MOST_VERDICTS).map(line).collect();
         let title = "Verdicts where walls may end, the closest to the threshold first: what decides, by which rule and with how \
                      many times the room that an opening needs; p, the probability of an opening, forbids one below 0.3 where \
                      something is seen in the gap, else the rule decides:";

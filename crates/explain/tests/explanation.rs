@@ -305,7 +305,7 @@ fn a_count_that_no_edge_explains_is_told_by_the_spectrum() {
     (frame.spectrum.eigenvalues, frame.spectrum.tolerance) = (vec![0.0, 9e-5, 2e-2], 1e-4);
     let explanation = Explanation { closest: None, ..Explanation::of(&frame) };
     let [_, nearest] = explanation.sentence(&frame, &|_| "");
-    let expected = "k would be 1 with a tolerance below λ2 = 9.0e-5, 0.0 decades from τ";
+    let expected = "1 eigenvalue would count as zero, not 2, with a tolerance below 9.0e-5 (λ2), 0.0 decades from τ";
     assert!(nearest.starts_with(expected) && nearest.ends_with("No single edge decides that."), "{nearest}");
 }
 

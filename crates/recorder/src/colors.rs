@@ -119,10 +119,15 @@ pub(crate) fn name_of(class: u16) -> &'static str {
     if class == NO_WALL { "grey" } else { WALLS[usize::from(class % COLORS)].0 }
 }
 
+/// Each class with the name and colour of another one, which follows it.
+pub(crate) fn as_others(classes: &[[u16; 2]]) -> AnnotationContext {
+    let wall = |[id, other]: &[u16; 2]| class(*id, name_of(*other), WALLS[usize::from(other % COLORS)].1);
+    AnnotationContext::new(classes.iter().map(wall).chain([class(NO_WALL, "no wall", GREY)]))
+}
+
 /// Name and colour of each class.
 pub(crate) fn annotation_context() -> AnnotationContext {
-    let wall = |id: u16| class(id, name_of(id), WALLS[usize::from(id % COLORS)].1);
-    AnnotationContext::new((0..NAMED_CLASSES).map(wall).chain([class(NO_WALL, "no wall", GREY)]))
+    as_others(&(0..NAMED_CLASSES).map(|class| [class; 2]).collect::<Vec<_>>())
 }
 
 fn class(id: u16, label: &str, rgba: u32) -> ClassDescription {

@@ -6,13 +6,13 @@ use rerun::components::Colormap;
 use rerun::{AsComponents, EncodedDepthImage, LineStrips2D, Points2D, Radius, RecordingStream, RecordingStreamResult};
 
 use crate::beam_order::BeamOrder;
-use crate::colors::{WORDS, color};
 use crate::matrices::{is_drawn, look};
 use crate::partition::runs;
 use crate::png::{Encoder, Picture};
 use crate::rows::Rows;
 use crate::schema::{SPECTRAL_U_BARS, SPECTRAL_U_PICTURE};
 use crate::tracks::Classes;
+use crate::words;
 
 /// The level of 0; the largest absolute value of an eigenvector lies this many levels above or below it, and level 0 is never used.
 const ZERO: u8 = 8;
@@ -27,7 +27,7 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     rec.log_static(SPECTRAL_U_PICTURE.path, &look(Colormap::CyanToYellow))?;
     let ui = Radius::new_ui_points;
     let bars = LineStrips2D::update_fields().with_radii([ui(4.0)]).with_show_labels(false);
-    let names = Points2D::update_fields().with_radii([ui(0.0)]).with_colors([color(WORDS)]).with_show_labels(true);
+    let names = words::look(Points2D::update_fields());
     rec.log_static(SPECTRAL_U_BARS.path, &[&bars as &dyn AsComponents, &names])
 }
 
@@ -57,7 +57,7 @@ impl Bands {
             self.picture.fill_rows(band * height / bands, (band + 1) * height / bands, &self.levels);
         }
         self.log_picture(rows);
-        log_bars(rows, frame, order, classes, (height, bands));
+        log_bars(rows, order, classes, (height, bands));
     }
 
     /// A dark picture of the size of the last one: the viewer keeps showing a picture that is cleared.
@@ -86,9 +86,8 @@ impl Bands {
 }
 
 /// A bar for each run of returns of one wall, and the name of each band.
-fn log_bars(rows: &mut Rows, frame: &Frame, order: &BeamOrder, classes: &Classes, (height, bands): (usize, usize)) {
-    let walls: Vec<u16> = frame.junction.wall_of_return.iter().map(|wall| classes.of_wall(*wall)).collect();
-    let runs = runs(&walls, &order.places);
+fn log_bars(rows: &mut Rows, order: &BeamOrder, classes: &Classes, (height, bands): (usize, usize)) {
+    let runs = runs(&classes.returns, &order.places);
     let y = -0.03 * order.used as f32;
     let bars = LineStrips2D::new(runs.iter().map(|&(_, from, to)| [[from as f32, y], [to as f32, y]]))
         .with_class_ids(runs.iter().map(|&(class, ..)| class));

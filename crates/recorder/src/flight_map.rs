@@ -17,6 +17,7 @@ use crate::schema::{
     FLIGHT_UNSURE, FLIGHT_WALLS, FLIGHT_WALLS_NEW, LOG,
 };
 use crate::tensors::f64_vector;
+use crate::words::words;
 
 /// Way and walls are drawn again when the way has grown by this length at least.
 const DRAWN_EVERY_M: f64 = 2.0;
@@ -27,8 +28,9 @@ const DRAWN_EVERY_SHARE: f64 = 0.02;
 const NEW_SHARE: f64 = 0.25;
 /// Length of the line from the vehicle's disc to where it heads.
 const AHEAD_M: f64 = 1.0;
-/// Length of the arrows of ways.
+/// Length of the arrows of ways, if they are no longer than this share of the whole way.
 const WAY_M: f64 = 3.0;
+const WAY_SHARE: f64 = 0.25;
 /// A graph view is laid out in points of the screen; this many are a metre.
 const GRAPH_PER_M: f64 = 8.0;
 /// The summary shows this many of the last merges and refusals.
@@ -126,7 +128,8 @@ impl FlightMap {
         if is_way_due || is_corrected || again {
             self.log_way(rows, again || is_corrected || self.drawn_walls[0] != whole_before);
         }
-        log_map(rows, &self.drawn, self.no_place.reason(&self.drawn), self.unsure_share());
+        let arrow_m = WAY_M.min(WAY_SHARE * self.seen.way_m());
+        log_map(rows, &self.drawn, arrow_m, self.no_place.reason(&self.drawn), self.unsure_share());
     }
 
     /// Of the way that is drawn, the places where the answer was unsure.
@@ -190,20 +193,16 @@ fn log_scale(rows: &mut Rows, walls: Vec<[f32; 2]>) {
     // The viewer writes the length below the bar, where it would be cut off at the edge of the view.
     let y = bottom - 0.05 * (bottom - top);
     let bar = LineStrips2D::new([[[left, y], [left + length_m as f32, y]]]);
-    let name = Points2D::new([[left + 0.5 * length_m as f32, y]])
-        .with_labels([format!("{length_m} m")])
-        .with_show_labels(true)
-        .with_radii([rerun::Radius::new_ui_points(0.0)])
-        .with_colors([color(WORDS)]);
+    let name = words([([left + 0.5 * length_m as f32, y], format!("{length_m} m"))]);
     rows.log(&FLIGHT_SCALE, &[&bar as &dyn AsComponents, &name]);
 }
 
 /// Nodes with their ways, passages, the graph, and all in words.
-fn log_map(rows: &mut Rows, map: &Map, no_place: Option<String>, unsure_share: f64) {
+fn log_map(rows: &mut Rows, map: &Map, arrow_m: f64, no_place: Option<String>, unsure_share: f64) {
     let passages = map.passages.iter().map(|passage| map.course_m(passage).map(drawn).collect::<Vec<_>>());
     rows.log(&FLIGHT_PASSAGES, &LineStrips2D::new(passages));
     let ways = || map.nodes.iter().flat_map(|node| node.ways.iter().map(move |way| (node, way)));
-    let arrows = Arrows2D::from_vectors(ways().map(|(_, way)| drawn(&(WAY_M * unit(way.bearing_rad)).into())))
+    let arrows = Arrows2D::from_vectors(ways().map(|(_, way)| drawn(&(arrow_m * unit(way.bearing_rad)).into())))
         .with_origins(ways().map(|(node, _)| drawn(&node.position_m)))
         .with_colors(ways().map(|(_, way)| color(if way.taken { PASSAGE } else { OPENING })));
     let numbers = (0..map.nodes.len()).map(|id| id.to_string());

@@ -37,7 +37,6 @@
 mod as_read;
 mod backlog;
 mod beam_order;
-mod before;
 mod below;
 mod colors;
 mod debug_view;
@@ -77,8 +76,10 @@ mod timing;
 mod tracks;
 mod truth;
 mod viewer;
+mod walls;
 mod whole;
 mod why;
+mod words;
 
 pub use crosscut_rrd::schema;
 pub use debug_view::{Answered, Beside, DebugView};

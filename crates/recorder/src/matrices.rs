@@ -9,11 +9,12 @@ use rerun::components::{Colormap, MediaType};
 use rerun::{AsComponents, EncodedDepthImage, LineStrips2D, Points2D, Radius, RecordingStream, RecordingStreamResult};
 
 use crate::beam_order::{BeamOrder, LARGEST_SIDE};
-use crate::colors::{VIRIDIS, WORDS, WORDS_ON_PICTURES, color};
+use crate::colors::{VIRIDIS, WORDS_ON_PICTURES, color};
 use crate::png::{Encoder, Picture};
 use crate::rows::Rows;
 use crate::schema::{AFFINITY_ABSENT, AFFINITY_DEGREES, AFFINITY_MARKS, AFFINITY_SCALE, AFFINITY_W, SPECTRAL_L};
 use crate::tensors::f32_vector;
+use crate::words::words;
 
 /// The level of a value of 1 or more. There is a level for each decade down to level 0, which is 1e-16 or less.
 const DECADES: u8 = 16;
@@ -30,11 +31,9 @@ pub(crate) fn log_scale(rec: &RecordingStream, places: usize) -> RecordingStream
         .with_colors(from_1().map(|(_, rgba)| color(*rgba)))
         .with_radii([Radius::new_scene_units(half)]);
     let named = (0..VIRIDIS.len()).step_by(4);
-    let names = Points2D::new(named.clone().map(|i| [left + 0.15 * side, y(i) - 0.03 * side]))
-        .with_radii([Radius::new_ui_points(0.0)])
-        .with_colors([color(WORDS_ON_PICTURES)])
-        .with_labels(named.map(|i| if i == 0 { "1".to_owned() } else { format!("1e-{}", 2 * i) }))
-        .with_show_labels(true);
+    let name = |i: usize| if i == 0 { "1".to_owned() } else { format!("1e-{}", 2 * i) };
+    let names = words(named.map(|i| ([left + 0.15 * side, y(i) - 0.03 * side], name(i))));
+    let names = names.with_colors([color(WORDS_ON_PICTURES)]);
     rec.log_static(AFFINITY_SCALE.path, &[&bar as &dyn AsComponents, &names])
 }
 
@@ -149,13 +148,8 @@ impl Absent {
             return;
         }
         let middle = 0.5 * order.used as f32;
-        let labels = if reason.is_empty() { vec![] } else { vec![reason.clone()] };
-        let text = Points2D::new(labels.iter().map(|_| [middle, 0.5 * middle]))
-            .with_labels(labels)
-            .with_show_labels(true)
-            .with_radii([Radius::new_ui_points(0.0)])
-            .with_colors([color(WORDS)]);
-        rows.log(&AFFINITY_ABSENT, &text);
+        let shown = Some(reason.as_str()).filter(|reason| !reason.is_empty());
+        rows.log(&AFFINITY_ABSENT, &words(shown.map(|reason| ([middle, 0.5 * middle], reason))));
         self.written = Some(reason);
     }
 }

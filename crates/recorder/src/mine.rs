@@ -4,7 +4,7 @@ use nalgebra::Point2;
 use rerun::{Arrows3D, AsComponents, LineStrips3D, Points3D, Radius, RecordingStream, RecordingStreamResult};
 
 use crate::colors::{EDGE, GREY, LABEL, OPENING, REPORTED, VEHICLE, WORDS, ZEROS, color, series};
-use crate::layout::mission::ENTITIES;
+use crate::layout::mission::entities;
 use crate::scan::step_m;
 
 /// Colour of a way that was not taken.
@@ -31,7 +31,7 @@ impl Mine {
     /// What never changes: the outline, colours and widths.
     pub(crate) fn log_static(&self, rec: &RecordingStream) -> RecordingStreamResult<()> {
         let outline = LineStrips3D::new(self.lines.iter().cloned()).with_colors([color(EDGE)]);
-        rec.log_static(ENTITIES.mine, &outline.with_radii([Radius::new_ui_points(1.0)]))?;
+        rec.log_static(entities::MINE, &outline.with_radii([Radius::new_ui_points(1.0)]))?;
         self.log_scale(rec)?;
         log_looks(rec)
     }
@@ -49,7 +49,7 @@ impl Mine {
             .with_show_labels(true)
             .with_radii([Radius::new_ui_points(0.0)])
             .with_colors([color(LABEL)]);
-        rec.log_static(ENTITIES.scale, &[&bar as &dyn AsComponents, &name])
+        rec.log_static(entities::SCALE, &[&bar as &dyn AsComponents, &name])
     }
 }
 
@@ -60,20 +60,20 @@ fn log_looks(rec: &RecordingStream) -> RecordingStreamResult<()> {
         |rgba: u32, width: f32| LineStrips3D::update_fields().with_radii([ui(width)]).with_colors([color(rgba)]);
     let arrows = |rgba: u32, width: f32| Arrows3D::update_fields().with_radii([ui(width)]).with_colors([color(rgba)]);
     let looks: [(&str, &dyn AsComponents); 9] = [
-        (ENTITIES.vehicle, &arrows(VEHICLE, 4.0)),
-        (ENTITIES.trail, &lines(GREY, 1.0)),
-        (ENTITIES.scan, &Points3D::update_fields().with_radii([ui(2.0)])),
-        (ENTITIES.openings, &lines(OPENING, 2.0)),
-        (ENTITIES.goal, &lines(VEHICLE, 1.0)),
-        (ENTITIES.choice, &arrows(VEHICLE, 2.0)),
-        (ENTITIES.passages, &lines(ZEROS, 2.0)),
-        (ENTITIES.walls, &series("walls in view", REPORTED, 1.5)),
-        (ENTITIES.new_ways, &series("ways not taken", NEW, 1.5)),
+        (entities::VEHICLE, &arrows(VEHICLE, 4.0)),
+        (entities::TRAIL, &lines(GREY, 1.0)),
+        (entities::SCAN, &Points3D::update_fields().with_radii([ui(2.0)])),
+        (entities::OPENINGS, &lines(OPENING, 2.0)),
+        (entities::GOAL, &lines(VEHICLE, 1.0)),
+        (entities::CHOICE, &arrows(VEHICLE, 2.0)),
+        (entities::PASSAGES, &lines(ZEROS, 2.0)),
+        (entities::WALLS, &series("walls in view", REPORTED, 1.5)),
+        (entities::NEW_WAYS, &series("ways not taken", NEW, 1.5)),
     ];
     for (entity, look) in looks {
         rec.log_static(entity, look)?;
     }
-    rec.log_static(ENTITIES.ways, &LineStrips3D::update_fields().with_radii([ui(3.0)]))
+    rec.log_static(entities::WAYS, &LineStrips3D::update_fields().with_radii([ui(3.0)]))
 }
 
 /// Segments that continue each other, as lines.

@@ -19,7 +19,7 @@ use nalgebra::{Isometry2, Point2};
 use rerun::{Arrows3D, LineStrips3D, Points3D, Radius, Scalars, TextDocument, TextLog, TextLogLevel};
 
 use crate::colors::{LABEL, REPORTED, color};
-use crate::layout::mission::ENTITIES;
+use crate::layout::mission::entities;
 use crate::mine::{Mine, NEW, above};
 use crate::options::{RecorderError, RecorderOptions};
 use crate::recorder::Recorder;
@@ -109,7 +109,7 @@ impl MissionRecorder {
     /// # Errors
     /// When a write has failed.
     pub fn finish(&mut self, outcome: &str) -> Result<(), ObserverError> {
-        let logged = self.recorder.log_static_text(ENTITIES.outcome, outcome);
+        let logged = self.recorder.log_static_text(entities::OUTCOME, outcome);
         self.recorder.finish()?;
         logged
     }
@@ -119,17 +119,17 @@ fn log_vehicle(rows: &mut Rows, moment: &MissionMoment, trail_m: &mut Vec<Point2
     let at_m = Point2::from(moment.vehicle.translation.vector);
     let arrow =
         Arrows3D::from_vectors([along(moment.vehicle.rotation.angle(), VEHICLE_M)]).with_origins([above(at_m, 0.3)]);
-    rows.log_at(ENTITIES.vehicle, &arrow);
+    rows.log_at(entities::VEHICLE, &arrow);
     let is_far = trail_m.last().is_none_or(|last_m| (at_m - last_m).norm() > TRAIL_STEP_M);
     if is_far {
         trail_m.push(at_m);
     }
     if moment.frame.revolution.seq.is_multiple_of(TRAIL_EVERY) {
         let line = trail_m.iter().map(|place_m| above(*place_m, 0.1));
-        rows.log_at(ENTITIES.trail, &LineStrips3D::new([line.collect::<Vec<_>>()]));
+        rows.log_at(entities::TRAIL, &LineStrips3D::new([line.collect::<Vec<_>>()]));
     }
     let goal = LineStrips3D::new([[above(at_m, 0.2), above(moment.goal_m, 0.2)]]);
-    rows.log_at(ENTITIES.goal, &goal);
+    rows.log_at(entities::GOAL, &goal);
 }
 
 fn log_seen(rows: &mut Rows, moment: &MissionMoment, classes: &Classes) {
@@ -138,31 +138,31 @@ fn log_seen(rows: &mut Rows, moment: &MissionMoment, classes: &Classes) {
     let wall_of = |i: usize| frame.junction.wall_of_return.get(i).copied().flatten();
     let of_returns = (0..frame.revolution.len()).map(|i| classes.of_wall(wall_of(i)));
     let points = Points3D::new(frame.revolution.points_m.iter().map(placed)).with_class_ids(of_returns);
-    rows.log_at(ENTITIES.scan, &points);
+    rows.log_at(entities::SCAN, &points);
     let edges = frame.junction.openings.iter().map(|opening| opening.edge_m.map(|end_m| placed(&end_m)));
-    rows.log_at(ENTITIES.openings, &LineStrips3D::new(edges));
-    rows.log_at(ENTITIES.walls, &Scalars::single(frame.junction.junctions as f64));
+    rows.log_at(entities::OPENINGS, &LineStrips3D::new(edges));
+    rows.log_at(entities::WALLS, &Scalars::single(frame.junction.junctions as f64));
 }
 
 fn log_decision(rows: &mut Rows, moment: &MissionMoment, decision: &MissionDecision) {
     let at_m = Point2::from(moment.vehicle.translation.vector);
     let arrow = Arrows3D::from_vectors([along(decision.bearing_rad, CHOICE_M)]).with_origins([above(at_m, 0.4)]);
-    rows.log_at(ENTITIES.choice, &arrow);
+    rows.log_at(entities::CHOICE, &arrow);
     let place = decision.place.map_or_else(|| "No place of the map".to_owned(), |place| format!("Place {place}"));
     let why = decision.why;
-    rows.log_at(ENTITIES.log, &TextLog::new(format!("{place}: {why}")).with_level(TextLogLevel::INFO));
+    rows.log_at(entities::LOG, &TextLog::new(format!("{place}: {why}")).with_level(TextLogLevel::INFO));
     let (seen, seq) = (moment.frame.junction.junctions as u64, moment.frame.revolution.seq);
     let text = format!(
         "**{place}, revolution {seq}: {why}.**\n\n{} in view; the vehicle {}. Why {seen}: page *Stages*, at revolution {seq}.",
         counted(seen, "wall"),
         moment.doing
     );
-    rows.log_at(ENTITIES.why, &TextDocument::from_markdown(text));
+    rows.log_at(entities::WHY, &TextDocument::from_markdown(text));
 }
 
 fn log_map(rows: &mut Rows, map: &Map) {
     let courses = map.passages.iter().map(|of| map.course_m(of).map(|place_m| above(*place_m, 0.5)).collect());
-    rows.log_at(ENTITIES.passages, &LineStrips3D::new(courses.collect::<Vec<Vec<[f32; 3]>>>()));
+    rows.log_at(entities::PASSAGES, &LineStrips3D::new(courses.collect::<Vec<Vec<[f32; 3]>>>()));
     // A dead end has no way to explore.
     let is_taken = |node: &Node, way: &NodeWay| way.taken || node.kind != HereKind::Junction;
     let ways = || map.nodes.iter().flat_map(|node| node.ways.iter().map(move |way| (node, way)));
@@ -171,7 +171,7 @@ fn log_map(rows: &mut Rows, map: &Map) {
         [above(node.position_m, 0.6), above(node.position_m + nalgebra::Vector2::new(x, y), 0.6)]
     };
     let colors = ways().map(|(node, way)| color(if is_taken(node, way) { TAKEN } else { NEW }));
-    rows.log_at(ENTITIES.ways, &LineStrips3D::new(ways().map(of_way)).with_colors(colors));
+    rows.log_at(entities::WAYS, &LineStrips3D::new(ways().map(of_way)).with_colors(colors));
     let labels = (0..map.nodes.len()).map(|number| number.to_string());
     let is_junction = |node: &Node| node.kind == HereKind::Junction;
     let radii = map.nodes.iter().map(|node| Radius::new_ui_points(if is_junction(node) { 7.0 } else { 4.0 }));
@@ -180,8 +180,8 @@ fn log_map(rows: &mut Rows, map: &Map) {
         .with_show_labels(true)
         .with_radii(radii)
         .with_colors(map.nodes.iter().map(|node| color(if is_junction(node) { REPORTED } else { LABEL })));
-    rows.log_at(ENTITIES.places, &places);
-    rows.log_at(ENTITIES.new_ways, &Scalars::single(map.ways_not_taken() as f64));
+    rows.log_at(entities::PLACES, &places);
+    rows.log_at(entities::NEW_WAYS, &Scalars::single(map.ways_not_taken() as f64));
 }
 
 fn along(bearing_rad: f64, length_m: f64) -> [f32; 3] {

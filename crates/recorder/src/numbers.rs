@@ -49,7 +49,7 @@ pub(crate) fn log(rows: &mut Rows, frame: &Frame, explanation: &Explanation, cla
         .with_labels(walls.iter().map(u32::to_string));
     let around = match explanation.may_be_none {
         Some(wall) => frame.junction.ends_m(wall, points_m),
-        None => explanation.nearest(frame).map(|nearest| nearest.returns.map(|i| points_m[i])),
+        None => explanation.nearest.as_ref().map(|nearest| nearest.returns.map(|i| points_m[i])),
     };
     let rings = LineStrips3D::new(around.map(|ends_m| ring(ends_m, reach_m)));
     rows.log(&SCAN_NUMBERS, &[&numbers as &dyn AsComponents, &rings]);

@@ -58,12 +58,11 @@ fn log_labels(rows: &mut Rows, partition: &Partition, order: &BeamOrder, classes
 /// Frames around the blocks of the walls on the diagonal of W. Those of a sparse W are hatched: its entries are too few to
 /// be seen.
 pub(crate) fn log_blocks(rows: &mut Rows, frame: &Frame, order: &BeamOrder, classes: &Classes) {
-    let walls: Vec<u16> = frame.junction.wall_of_return.iter().map(|wall| classes.of_wall(*wall)).collect();
     let large = |&&(class, from, to): &&(u16, usize, usize)| {
         class != NO_WALL && (to - from) as f64 >= BLOCK_SHARE * order.used as f64
     };
     let is_sparse = matches!(frame.affinity.weights, Weights::Sparse(_));
-    let runs = runs(&walls, &order.places);
+    let runs = runs(&classes.returns, &order.places);
     let (frames, colors): (Vec<_>, Vec<_>) = (runs.iter().filter(large))
         .map(|&(class, from, to)| {
             let (from, to) = (from as f32, to as f32);

@@ -1,16 +1,17 @@
 //! Chart by beam: the range of each beam in the colour of its wall, and above it a row of walls.
 
 use crosscut_stage::{Frame, Sweep};
-use rerun::{AsComponents, LineStrips2D, Points2D, Radius, RecordingStream, RecordingStreamResult};
+use rerun::{AsComponents, LineStrips2D, Radius, RecordingStream, RecordingStreamResult};
 
 use crate::beam_order::beams_of_returns;
-use crate::colors::{GRID, WORDS, color};
+use crate::colors::{GRID, color};
 use crate::partition::runs;
 use crate::polyline::simplified;
 use crate::rows::Rows;
 use crate::scan::ticks_m;
 use crate::schema::{KMEANS_PROFILE, KMEANS_PROFILE_AXES, KMEANS_PROFILE_NAMES};
 use crate::tracks::Classes;
+use crate::words::words;
 
 /// Width of the chart, whatever the number of beams.
 const WIDTH: f32 = 100.0;
@@ -30,11 +31,7 @@ const GAP: f32 = 5.0;
 /// Name of the row.
 pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     rec.log_static(KMEANS_PROFILE.path, &LineStrips2D::update_fields().with_show_labels(false))?;
-    let names = [("walls", WALLS_Y)];
-    rec.log_static(
-        KMEANS_PROFILE_NAMES.path,
-        &marks(names.into_iter().map(|(name, y)| ([-12.0, y - LABEL_RISE], name.to_owned()))),
-    )
+    rec.log_static(KMEANS_PROFILE_NAMES.path, &words([([-12.0, WALLS_Y - LABEL_RISE], "walls")]))
 }
 
 /// The axes: ranges up to `reach_m`, and the bearings of some beams.
@@ -47,7 +44,7 @@ pub(crate) fn log_axes(rows: &mut Rows, reach_m: f64, sweep: &Sweep) {
     let ranges = ticks_m.iter().map(|&tick_m| ([-10.0, y(tick_m) - LABEL_RISE], format!("{tick_m} m")));
     let bearings = round_bearings(&sweep.bearings_rad).into_iter();
     let bearings = bearings.map(|(share, label)| ([WIDTH * share, 1.0], label));
-    rows.log(&KMEANS_PROFILE_AXES, &[&grid as &dyn AsComponents, &marks(ranges.chain(bearings))]);
+    rows.log(&KMEANS_PROFILE_AXES, &[&grid as &dyn AsComponents, &words(ranges.chain(bearings))]);
 }
 
 /// Where along the beams the multiples of 45° lie, of 90° in a view of more than 200°, with their names.
@@ -81,14 +78,13 @@ pub(crate) fn log(rows: &mut Rows, frame: &Frame, classes: &Classes, reach_m: f6
     let by_return = || (frame.revolution.len(), (0..frame.revolution.len()).collect());
     let (beams, places) = beams_of_returns(&frame.revolution).unwrap_or_else(by_return);
     let along = WIDTH / beams.max(1) as f32;
-    let walls: Vec<u16> = frame.junction.wall_of_return.iter().map(|wall| classes.of_wall(*wall)).collect();
     let mut lines = Vec::new();
     let bar = |(class, from, to): (u16, usize, usize)| {
         (vec![[along * from as f32, WALLS_Y], [along * to as f32, WALLS_Y]], class, Radius::new_ui_points(4.0))
     };
-    lines.extend(runs(&walls, &places).into_iter().map(bar));
+    lines.extend(runs(&classes.returns, &places).into_iter().map(bar));
     let height = |i: usize| -HEIGHT * (frame.revolution.range_m(i) / reach_m).min(1.0) as f32;
-    let placed: Vec<(u16, [f32; 3])> = (walls.iter().zip(&places).enumerate().take(frame.revolution.len()))
+    let placed: Vec<(u16, [f32; 3])> = (classes.returns.iter().zip(&places).enumerate().take(frame.revolution.len()))
         .map(|(i, (class, place))| (*class, [along * (*place as f32 + 0.5), height(i), 0.0]))
         .collect();
     let joined = |a: &(u16, [f32; 3]), b: &(u16, [f32; 3])| {
@@ -110,15 +106,6 @@ fn drawn(line: &[(u16, [f32; 3])], along: f32) -> Vec<[f32; 2]> {
     }
     let line: Vec<[f32; 3]> = line.iter().map(|(_, point)| *point).collect();
     simplified(&line, LINE).into_iter().map(|[x, y, _]| coarse([x, y])).collect()
-}
-
-fn marks(marks: impl Iterator<Item = ([f32; 2], String)>) -> Points2D {
-    let (at, labels): (Vec<_>, Vec<_>) = marks.unzip();
-    Points2D::new(at)
-        .with_radii([Radius::new_ui_points(0.0)])
-        .with_colors([color(WORDS)])
-        .with_labels(labels)
-        .with_show_labels(true)
 }
 
 /// Left, top, right and bottom of the chart.

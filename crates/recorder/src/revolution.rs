@@ -1,12 +1,11 @@
 //! What is logged of one revolution, and what that needs to know of those before it.
 
-use crosscut_explain::Watch;
+use crosscut_explain::{Explanation, Watch};
 use crosscut_stage::Frame;
 use rerun::{Clear, TextLog, TextLogLevel};
 
 use crate::as_read::AsRead;
 use crate::beam_order::BeamOrder;
-use crate::before::Before;
 use crate::eigenvectors::Bands;
 use crate::layout::Extent;
 use crate::matrices::{Absent, Pictures};
@@ -21,6 +20,7 @@ use crate::schema::{
 use crate::scope::Share;
 use crate::timing::Times;
 use crate::tracks::Tracks;
+use crate::walls::Before;
 use crate::why::Told;
 use crate::{exact, gaps, numbers, partition, profile, report, scan, spectrum, truth, why};
 
@@ -88,12 +88,15 @@ impl RevolutionLog {
         let truth = truth.map(|(walls, _)| walls);
         let first_ns = *self.first_ns.get_or_insert(revolution.stamp_ns);
         let changed = self.before.what_changed(frame, &classes);
-        let told = Told { classes: &classes, reach_m, source: &options.source, first_ns, truth, changed };
-        let explanation = why::log(rows, frame, &told, &mut self.watch);
+        let told = Told { classes: &classes, source: &options.source, first_ns, truth, changed };
+        let explanation = Explanation::of(frame);
+        let decisive = why::decisive(&explanation);
+        why::log(rows, frame, &explanation, &told, &mut self.watch);
+        why::log_decisive(rows, revolution, &decisive, reach_m);
         numbers::log(rows, frame, &explanation, &classes, reach_m);
         self.doubts.log(rows, self.watch.doubt());
         if share.matrices {
-            why::log_marks(rows, frame, &order, &explanation);
+            why::log_marks(rows, frame, &order, &decisive);
         }
         self.times.log(rows, frame);
         self.notes.log(rows, frame);

@@ -50,10 +50,8 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
 /// Returns, walls and openings of one revolution, in views that reach `reach_m`; raw ranges where there is a sweep.
 pub(crate) fn log(rows: &mut Rows, frame: &Frame, classes: &Classes, reach_m: f64) {
     let (revolution, junction) = (&frame.revolution, &frame.junction);
-    let wall_of = |i: usize| junction.wall_of_return.get(i).copied().flatten();
     let points = revolution.points_m.iter().map(xyz);
-    let of_returns = (0..revolution.len()).map(|i| classes.of_wall(wall_of(i)));
-    rows.log(&SCAN_RETURNS, &Points3D::new(points).with_class_ids(of_returns));
+    rows.log(&SCAN_RETURNS, &Points3D::new(points).with_class_ids(classes.returns.iter().copied()));
     rows.log(&SCAN_COUNT, &Scalars::single(revolution.len() as f64));
     if let Some(sweep) = revolution.beams() {
         rows.log_tensor(&SCAN_RANGES, f32_vector(sweep.ranges_m.clone(), SCAN_RANGES.dims), &[]);

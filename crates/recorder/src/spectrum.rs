@@ -16,6 +16,7 @@ use crate::schema::{
 };
 use crate::tensors::{f16_matrix, rows_of};
 use crate::tracks::Classes;
+use crate::words;
 
 /// Lower end of the chart. Rounding leaves zeros at about 1e-16.
 const FLOOR_DECADE: f32 = -18.0;
@@ -47,12 +48,8 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
         .with_radii([ui(0.5)])
         .with_colors([color(GRID)]);
     let numbered = [0, 3, 7, 11, 15];
-    let places = decades.iter().map(|&d| [-1.8, -d as f32 - 1.0]);
-    let marks = Points2D::new(places.chain(numbered.iter().map(|&i| [column_x(i), -FLOOR_DECADE])))
-        .with_radii([ui(0.0)])
-        .with_colors([color(WORDS)])
-        .with_labels(decades.iter().map(|d| format!("1e{d}")).chain(numbered.iter().map(|i| format!("λ{}", i + 1))))
-        .with_show_labels(true);
+    let marks = decades.iter().map(|&d| ([-1.8, -d as f32 - 1.0], format!("1e{d}")));
+    let marks = words::words(marks.chain(numbered.map(|i| ([column_x(i), -FLOOR_DECADE], format!("λ{}", i + 1)))));
     rec.log_static(SPECTRAL_CHART_AXIS.path, &[&grid as &dyn AsComponents, &marks])
 }
 
@@ -74,9 +71,8 @@ pub(crate) fn log_embedding(rows: &mut Rows, frame: &Frame, classes: &Classes, s
     let (n, k) = (spectrum.u.nrows(), spectrum.u.ncols());
     let exact = f16_matrix(rows_of(&spectrum.u), [n, k], SPECTRAL_U.dims);
     rows.log_tensor(&SPECTRAL_U, exact, &[]);
-    let wall_of = |i: usize| frame.junction.wall_of_return.get(i).copied().flatten();
     let points = (0..n).map(|i| drawn_row(&spectrum.u, i, scale));
-    rows.log(&SPECTRAL_EMBEDDING, &Points3D::new(points).with_class_ids((0..n).map(|i| classes.of_wall(wall_of(i)))));
+    rows.log(&SPECTRAL_EMBEDDING, &Points3D::new(points).with_class_ids(classes.returns.iter().take(n).copied()));
 }
 
 /// The factor that scales the farthest row of U to length 1 in drawings.

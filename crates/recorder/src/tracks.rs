@@ -4,19 +4,22 @@
 //! the same directions. Only the recording depends on it, no result does.
 
 use std::cmp::Reverse;
+use std::f64::consts::TAU;
 
 use crosscut_stage::Frame;
 
 use crate::colors::{COLORS, NO_WALL};
 
 /// Number of directions: half a degree each.
-pub(crate) const BINS: usize = 720;
+const BINS: usize = 720;
 
 /// The classes of the walls and clusters of one revolution; a class has a colour.
 #[derive(Debug, Default)]
 pub(crate) struct Classes {
     /// By wall number.
     pub(crate) walls: Vec<u16>,
+    /// By return, that of its wall.
+    pub(crate) returns: Vec<u16>,
     /// By cluster.
     clusters: Vec<u16>,
 }
@@ -33,10 +36,10 @@ impl Classes {
     }
 }
 
-/// The class that was seen last in each direction.
+/// The class that was seen last at each place: in each direction, or by each beam.
 #[derive(Clone)]
 pub(crate) struct Tracks {
-    seen: Vec<Option<u16>>,
+    pub(crate) seen: Vec<Option<u16>>,
 }
 
 impl Default for Tracks {
@@ -49,23 +52,23 @@ impl Tracks {
     /// The classes of the next revolution's walls. Walls and earlier classes are paired, those that share the most
     /// directions first. A wall without a pair gets a class that was not seen lately. As many walls as there are colours have one each.
     pub(crate) fn classes_of(&mut self, frame: &Frame) -> Classes {
-        let walls = self.match_walls(frame);
-        let wall_of = &frame.junction.wall_of_return;
-        for (i, wall) in wall_of.iter().enumerate().take(frame.revolution.len()) {
-            if let Some(wall) = wall {
-                self.seen[bin(frame, i)] = Some(walls[*wall as usize]);
-            }
+        let places = by_direction(frame);
+        let walls = self.match_walls(&places, number_of_walls(frame));
+        for (seen, wall) in self.seen.iter_mut().zip(places) {
+            *seen = wall.map(|wall| walls[wall as usize]).or(*seen);
         }
         let clusters =
             walls_of_clusters(frame).into_iter().map(|wall| wall.map_or(NO_WALL, |wall| walls[wall])).collect();
-        Classes { walls, clusters }
+        let wall_of = |i: usize| frame.junction.wall_of_return.get(i).copied().flatten();
+        let returns = (0..frame.revolution.len()).map(|i| wall_of(i).map_or(NO_WALL, |wall| walls[wall as usize]));
+        Classes { returns: returns.collect(), walls, clusters }
     }
 
-    fn match_walls(&self, frame: &Frame) -> Vec<u16> {
-        let walls = number_of_walls(frame);
+    /// The class of each of `walls` walls, of which one or none is seen at each place.
+    pub(crate) fn match_walls(&self, places: &[Option<u32>], walls: usize) -> Vec<u16> {
         let mut classes: Vec<Option<u16>> = vec![None; walls];
         let mut taken = Taken::by(walls);
-        for (_, wall, class) in self.overlaps(frame) {
+        for (_, wall, class) in self.overlaps(places) {
             if classes[wall].is_none() && taken.allows(class) {
                 classes[wall] = Some(taken.take(class));
             }
@@ -79,10 +82,9 @@ impl Tracks {
         classes.into_iter().flatten().collect()
     }
 
-    /// Number of shared directions, wall and class of each pair, the most directions first.
-    fn overlaps(&self, frame: &Frame) -> Vec<(Reverse<usize>, usize, u16)> {
-        let walls = frame.junction.wall_of_return.iter().enumerate().take(frame.revolution.len());
-        let shared = walls.filter_map(|(i, wall)| Some(((*wall)? as usize, self.seen[bin(frame, i)]?)));
+    /// Number of shared places, wall and class of each pair, the most places first.
+    fn overlaps(&self, places: &[Option<u32>]) -> Vec<(Reverse<usize>, usize, u16)> {
+        let shared = places.iter().zip(&self.seen).filter_map(|(wall, class)| Some(((*wall)? as usize, (*class)?)));
         let mut overlaps: Vec<_> =
             counts(shared).into_iter().map(|((wall, class), count)| (Reverse(count), wall, class)).collect();
         overlaps.sort_unstable();
@@ -132,9 +134,15 @@ pub(crate) fn counts<T: Ord + Copy>(items: impl Iterator<Item = T>) -> Vec<(T, u
     items.chunk_by(T::eq).map(|same| (same[0], same.len())).collect()
 }
 
-pub(crate) fn bin(frame: &Frame, i: usize) -> usize {
-    let turn = frame.revolution.bearing_rad(i).rem_euclid(std::f64::consts::TAU) / std::f64::consts::TAU;
-    ((turn * BINS as f64) as usize).min(BINS - 1)
+/// The wall that is seen in each direction.
+pub(crate) fn by_direction(frame: &Frame) -> Vec<Option<u32>> {
+    let mut places = vec![None; BINS];
+    for (i, wall) in frame.junction.wall_of_return.iter().enumerate().take(frame.revolution.len()) {
+        let turn = frame.revolution.bearing_rad(i).rem_euclid(TAU) / TAU;
+        let place = &mut places[((turn * BINS as f64) as usize).min(BINS - 1)];
+        *place = wall.or(*place);
+    }
+    places
 }
 
 fn number_of_walls(frame: &Frame) -> usize {

@@ -89,15 +89,13 @@ pub fn why(frame: &Frame) -> String {
     Explanation::of(frame).to_markdown(frame, &|wall| name_of(classes.of_wall(Some(wall))))
 }
 
-/// The explanation of one revolution, drawn, and whether it is worth a look.
-pub(crate) fn log(rows: &mut Rows, frame: &Frame, told: &Told, watch: &mut Watch) -> Explanation {
-    let explanation = Explanation::of(frame);
+/// The explanation of one revolution, and whether it is worth a look.
+pub(crate) fn log(rows: &mut Rows, frame: &Frame, explanation: &Explanation, told: &Told, watch: &mut Watch) {
     let color_of = |wall| name_of(told.classes.of_wall(Some(wall)));
     let mut paragraphs = vec![explanation.title(frame, &color_of)];
     paragraphs.extend(told.changed.clone());
     paragraphs.extend([told.context(frame), LEGEND.into(), explanation.details(frame, &color_of)]);
     rows.log(&REPORT_WHY, &TextDocument::new(paragraphs.join("\n\n")));
-    log_decisive(rows, frame, &explanation, told.reach_m);
     for event in watch.events(frame, told.truth) {
         let level = match event {
             Event::Wrong { .. } => TextLogLevel::ERROR,
@@ -106,27 +104,23 @@ pub(crate) fn log(rows: &mut Rows, frame: &Frame, told: &Told, watch: &mut Watch
         };
         rows.log(&LOG, &TextLog::new(event.to_string()).with_level(level));
     }
-    explanation
 }
 
 /// Marks of the edges that decide the count on the picture of W, with their weights where W is sparse.
-pub(crate) fn log_marks(rows: &mut Rows, frame: &Frame, order: &BeamOrder, explanation: &Explanation) {
+pub(crate) fn log_marks(rows: &mut Rows, frame: &Frame, order: &BeamOrder, decisive: &[Decisive]) {
     let is_sparse = matches!(frame.affinity.weights, Weights::Sparse(_));
-    let decisive = if is_drawn(frame) { decisive(frame, explanation) } else { Vec::new() };
-    let (at, (colors, weights)): (Vec<_>, (Vec<_>, Vec<_>)) = decisive
-        .into_iter()
-        .map(|Decisive { returns, rgba, .. }| {
-            let [i, j] = returns.map(|i| order.places[i] as f32);
-            ([i.max(j), i.min(j)], (color(rgba), format!("{:.0e}", weight(&frame.affinity.weights, returns))))
-        })
-        .unzip();
+    let drawn = decisive.iter().filter(|_| is_drawn(frame)).map(|Decisive { returns, rgba, .. }| {
+        let [i, j] = returns.map(|i| order.places[i] as f32);
+        ([i.max(j), i.min(j)], (color(*rgba), format!("{:.0e}", weight(&frame.affinity.weights, *returns))))
+    });
+    let (at, (colors, weights)): (Vec<_>, (Vec<_>, Vec<_>)) = drawn.unzip();
     let marks = Points2D::new(at).with_colors(colors);
     let marks = if is_sparse { marks.with_labels(weights) } else { marks };
     rows.log(&AFFINITY_MARKS, &marks);
 }
 
 /// A gap that decides the count.
-struct Decisive {
+pub(crate) struct Decisive {
     returns: [usize; 2],
     rgba: u32,
     /// What there would be: "4 walls if joined".
@@ -134,9 +128,9 @@ struct Decisive {
 }
 
 /// The gap that the sentence names, then the edges of other changes of k.
-fn decisive(frame: &Frame, explanation: &Explanation) -> Vec<Decisive> {
+pub(crate) fn decisive(explanation: &Explanation) -> Vec<Decisive> {
     let what = |walls: &[u32]| if walls.len() == 1 { "broken" } else { "joined" };
-    let nearest = explanation.nearest(frame).map(|near| {
+    let nearest = explanation.nearest.as_ref().map(|near| {
         let label = format!("{} if {}", counted(near.count as u64, "wall"), what(&near.walls));
         Decisive { returns: near.returns, rgba: NAMED, label }
     });
@@ -165,8 +159,6 @@ fn weight(weights: &Weights, [i, j]: [usize; 2]) -> f64 {
 /// What the text of a revolution says beside its explanation.
 pub(crate) struct Told<'a> {
     pub(crate) classes: &'a Classes,
-    /// How far the views reach.
-    pub(crate) reach_m: f64,
     /// The file and the preset.
     pub(crate) source: &'a str,
     /// The stamp of the first revolution.
@@ -206,13 +198,11 @@ const LEGEND: &str = "In **1** and **2**, the *pink* line is the gap named here,
     the length from end to end.";
 
 /// Lines across the gaps that decide the count, each with a mark.
-fn log_decisive(rows: &mut Rows, frame: &Frame, explanation: &Explanation, reach_m: f64) {
-    let revolution = &frame.revolution;
-    let decisive = decisive(frame, explanation);
+pub(crate) fn log_decisive(rows: &mut Rows, revolution: &Revolution, decisive: &[Decisive], reach_m: f64) {
     let (lines, colors): (Vec<_>, Vec<_>) =
         decisive.iter().map(|link| (line(revolution, link.returns), color(link.rgba))).unzip();
     let at = readable(decisive.iter().map(|link| beneath(revolution, link.returns)).collect(), reach_m);
-    let labels = decisive.into_iter().map(|link| link.label);
+    let labels = decisive.iter().map(|link| link.label.as_str());
     let lines = LineStrips3D::new(lines).with_colors(colors);
     let marks = Points3D::new(at.iter().map(xyz)).with_labels(labels);
     rows.log(&SCAN_LINKS, &[&lines as &dyn AsComponents, &marks]);

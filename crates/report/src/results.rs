@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use crosscut_flight::{FlightAnswer, Here, SteadyOpening};
-use crosscut_stage::{Frame, Known, KnownGaps};
+use crosscut_stage::{Frame, Known, KnownGaps, Wall};
 use serde::{Deserialize, Serialize};
 
 /// The name of [`RESULTS_SCHEMA_TEXT`].
@@ -66,14 +66,9 @@ pub struct ResultsLine {
 /// A wall in the results.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WallLine {
-    /// Its number.
-    pub id: u32,
-    /// Number of its returns.
-    pub returns: usize,
-    /// Anticlockwise from the first to the last return (from > to crosses ±π).
-    pub bearing_rad: [f64; 2],
-    /// A pillar: counted in k, not in `junctions`.
-    pub island: bool,
+    /// Its number, returns and directions.
+    #[serde(flatten)]
+    pub wall: Wall,
     /// How far its nearest return is from the sensor, and in which direction; null where a line does not say.
     #[serde(default)]
     pub nearest_m: Option<f64>,
@@ -94,11 +89,8 @@ impl WallLine {
                 *nearest = Some((range_m, i));
             }
         }
-        let line = |(wall, nearest): (&crosscut_stage::Wall, Option<(f64, usize)>)| Self {
-            id: wall.id,
-            returns: wall.returns,
-            bearing_rad: wall.bearing_rad,
-            island: wall.island,
+        let line = |(wall, nearest): (&Wall, Option<(f64, usize)>)| Self {
+            wall: wall.clone(),
             nearest_m: nearest.map(|(range_m, _)| range_m),
             nearest_rad: nearest.map(|(_, i)| revolution.bearing_rad(i)),
         };
@@ -269,14 +261,8 @@ mod tests {
     fn the_schema_names_the_fields_of_a_line() {
         let here = || HereLine { kind: "junction".to_owned(), ways: vec![None], confidence: 1.0 };
         let mut line = ResultsLine::of(&Frame::default());
-        line.walls.push(WallLine {
-            id: 0,
-            returns: 1,
-            bearing_rad: [0.0; 2],
-            island: false,
-            nearest_m: None,
-            nearest_rad: None,
-        });
+        let wall = Wall { id: 0, returns: 1, bearing_rad: [0.0; 2], island: false };
+        line.walls.push(WallLine { wall, nearest_m: None, nearest_rad: None });
         line.openings.push(OpeningLine {
             bearing_rad: 0.0,
             width_m: 1.0,

@@ -87,7 +87,15 @@ impl Recording {
     /// When the file cannot be opened, is no recording, or holds several. Damage is no error, see
     /// [`Recording::damages`].
     pub fn open(path: &Path) -> Result<Self, ReadError> {
-        Self::open_chosen(path, None)
+        Self::open_chosen(path, &[], None)
+    }
+
+    /// As [`Recording::open`], of files that are given one by one; those of later parts are looked for beside a single one.
+    ///
+    /// # Errors
+    /// As [`Recording::open`], for each file.
+    pub fn open_parts(paths: &[PathBuf]) -> Result<Self, ReadError> {
+        Self::open_chosen(&paths[0], &paths[1..], None)
     }
 
     /// Opens the recording with this identifier, of a file that holds several.
@@ -95,10 +103,10 @@ impl Recording {
     /// # Errors
     /// As [`Recording::open`], and when the file holds no such recording.
     pub fn open_one(path: &Path, id: &str) -> Result<Self, ReadError> {
-        Self::open_chosen(path, Some(id))
+        Self::open_chosen(path, &[], Some(id))
     }
 
-    fn open_chosen(path: &Path, id: Option<&str>) -> Result<Self, ReadError> {
+    fn open_chosen(path: &Path, further: &[PathBuf], id: Option<&str>) -> Result<Self, ReadError> {
         let recordings = Messages::recordings_in(path)?;
         let is_chosen = |store: &&StoreId| id.is_none_or(|id| store.recording_id().as_str() == id);
         let store = recordings.iter().find(is_chosen);
@@ -119,7 +127,10 @@ impl Recording {
             is_chosen: recordings.len() > 1,
         };
         recording.read_part(path, Messages::open(path)?);
-        for part in files_named_like_parts(path) {
+        for part in further {
+            recording.read_part(part, Messages::open(part)?);
+        }
+        for part in if further.is_empty() { files_named_like_parts(path) } else { Vec::new() } {
             if Messages::recordings_in(&part).is_ok_and(|others| others.first() == store)
                 && let Ok(messages) = Messages::open(&part)
             {
@@ -139,6 +150,11 @@ impl Recording {
     /// What a viewer knows it by; `None` if the file does not begin with that.
     pub fn id(&self) -> Option<&str> {
         self.store.as_ref().map(|store| store.recording_id().as_str())
+    }
+
+    /// As above, with its application.
+    pub fn store(&self) -> Option<&StoreId> {
+        self.store.as_ref()
     }
 
     fn read_part(&mut self, path: &Path, messages: Messages) {

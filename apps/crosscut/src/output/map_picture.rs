@@ -176,6 +176,7 @@ impl Drawing {
             (has_way(false), "way that was not taken", stroke(NOT_TAKEN, 4.0)),
             (has(HereKind::Junction), "junction, by its number", sign(HereKind::Junction)),
             (has(HereKind::DeadEnd), "dead end", sign(HereKind::DeadEnd)),
+            (!self.path_m.is_empty(), "ahead of the vehicle at its start; north is not known", arrow()),
         ];
         entries
             .into_iter()
@@ -183,6 +184,12 @@ impl Drawing {
             .map(|(_, words, sign)| (words.to_owned(), sign))
             .collect()
     }
+}
+
+/// To the right.
+fn arrow() -> Group {
+    let path = Path::new().set("d", "M-8 0H8M3 -4L8 0L3 4").set("stroke", INK).set("stroke-width", 2);
+    Group::new().add(path.set("fill", "none"))
 }
 
 /// Dots of this width.

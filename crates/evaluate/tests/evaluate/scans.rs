@@ -2,7 +2,7 @@
 
 use crosscut_messages::Truth;
 use crosscut_report::{ResultsLine, WallLine};
-use crosscut_stage::KnownGaps;
+use crosscut_stage::{KnownGaps, Wall};
 
 /// A truth with these labels; its first `islands` walls are islands.
 pub(crate) fn truth(labels: &[i32], islands: u32) -> Truth {
@@ -20,7 +20,8 @@ pub(crate) fn answer(labels: &[i32], islands: &[u32]) -> ResultsLine {
         .map(|&id| {
             let (id, returns) = (id as u32, labels.iter().filter(|&&label| label == id).count());
             let island = islands.contains(&id);
-            WallLine { id, returns, bearing_rad: [0.0; 2], island, nearest_m: None, nearest_rad: None }
+            let wall = Wall { id, returns, bearing_rad: [0.0; 2], island };
+            WallLine { wall, nearest_m: None, nearest_rad: None }
         })
         .collect();
     ResultsLine {
@@ -29,7 +30,7 @@ pub(crate) fn answer(labels: &[i32], islands: &[u32]) -> ResultsLine {
         seq: 0,
         stamp_ns: 0,
         returns: labels.iter().filter(|&&label| label != -1).count(),
-        junctions: walls.iter().filter(|wall| !wall.island).count(),
+        junctions: walls.iter().filter(|of| !of.wall.island).count(),
         k: walls.len(),
         margin: None,
         confidence: Some(0.5),

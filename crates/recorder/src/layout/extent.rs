@@ -1,8 +1,7 @@
 //! What the views have to show.
 
 use crosscut_stage::Frame;
-use rerun::log::Chunk;
-use rerun::{RecordingStream, RecordingStreamResult, Tensor, TensorBuffer};
+use rerun::{RecordingStream, RecordingStreamResult, Tensor};
 
 use crate::beam_order::BeamOrder;
 use crate::schema::EXTENT;
@@ -54,21 +53,11 @@ impl Extent {
         rec.log_static(EXTENT.path, &Tensor::new(f64_vector(values, EXTENT.dims)))
     }
 
-    /// Reads the extent that was recorded.
-    pub(crate) fn read(chunk: &Chunk) -> Option<Self> {
-        let data: Vec<rerun::components::TensorData> =
-            chunk.component_batch(Tensor::descriptor_data().component, 0)?.ok()?;
-        match &data.first()?.buffer {
-            TensorBuffer::F64(values) => match values.as_ref() {
-                [range_m, places, ..] => {
-                    let is_set = |at: usize| values.get(at).is_some_and(|value| *value > 0.0);
-                    let [by_gaps, has_truth] = [2, 3].map(is_set);
-                    Some(Self { range_m: *range_m, places: *places as usize, by_gaps, has_truth })
-                }
-                _ => None,
-            },
-            _ => None,
-        }
+    /// The extent that was recorded as these values.
+    pub(crate) fn of_values(values: &[f64]) -> Option<Self> {
+        let [range_m, places, ..] = values else { return None };
+        let [by_gaps, has_truth] = [2, 3].map(|at| values.get(at).is_some_and(|value| *value > 0.0));
+        Some(Self { range_m: *range_m, places: *places as usize, by_gaps, has_truth })
     }
 }
 

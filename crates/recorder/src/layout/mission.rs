@@ -14,55 +14,36 @@ use rerun::external::re_sdk_types::blueprint::archetypes::{
 use super::properties::Properties;
 
 /// The entities of a mission.
-pub(crate) struct Entities {
-    pub(crate) mine: &'static str,
-    pub(crate) scale: &'static str,
-    pub(crate) outcome: &'static str,
-    pub(crate) vehicle: &'static str,
-    pub(crate) trail: &'static str,
-    pub(crate) scan: &'static str,
-    pub(crate) openings: &'static str,
-    pub(crate) goal: &'static str,
-    pub(crate) choice: &'static str,
-    pub(crate) passages: &'static str,
-    pub(crate) ways: &'static str,
-    pub(crate) places: &'static str,
-    pub(crate) why: &'static str,
-    pub(crate) log: &'static str,
-    pub(crate) walls: &'static str,
-    pub(crate) new_ways: &'static str,
+pub(crate) mod entities {
+    pub(crate) const MINE: &str = "/mission/mine";
+    pub(crate) const SCALE: &str = "/mission/scale";
+    pub(crate) const OUTCOME: &str = "/mission/outcome";
+    pub(crate) const VEHICLE: &str = "/mission/vehicle";
+    pub(crate) const TRAIL: &str = "/mission/trail";
+    pub(crate) const SCAN: &str = "/mission/scan";
+    pub(crate) const OPENINGS: &str = "/mission/openings";
+    pub(crate) const GOAL: &str = "/mission/goal";
+    pub(crate) const CHOICE: &str = "/mission/choice";
+    pub(crate) const PASSAGES: &str = "/mission/map/passages";
+    pub(crate) const WAYS: &str = "/mission/map/ways";
+    pub(crate) const PLACES: &str = "/mission/map/places";
+    pub(crate) const WHY: &str = "/mission/why";
+    pub(crate) const LOG: &str = "/mission/log";
+    pub(crate) const WALLS: &str = "/mission/walls";
+    pub(crate) const NEW_WAYS: &str = "/mission/new_ways";
 }
-
-pub(crate) const ENTITIES: Entities = Entities {
-    mine: "/mission/mine",
-    scale: "/mission/scale",
-    outcome: "/mission/outcome",
-    vehicle: "/mission/vehicle",
-    trail: "/mission/trail",
-    scan: "/mission/scan",
-    openings: "/mission/openings",
-    goal: "/mission/goal",
-    choice: "/mission/choice",
-    passages: "/mission/map/passages",
-    ways: "/mission/map/ways",
-    places: "/mission/map/places",
-    why: "/mission/why",
-    log: "/mission/log",
-    walls: "/mission/walls",
-    new_ways: "/mission/new_ways",
-};
 
 /// The page for a mine in a rectangle between these corners.
 pub(super) fn page(properties: &mut Properties, [low, high]: [Point2<f64>; 2]) -> ContainerLike {
     let above = from_above(properties, low, high);
-    let outcome = TextDocumentView::new("What became of it").with_origin(ENTITIES.outcome);
-    let why = TextDocumentView::new("The last decision").with_origin(ENTITIES.why);
+    let outcome = TextDocumentView::new("What became of it").with_origin(entities::OUTCOME);
+    let why = TextDocumentView::new("The last decision").with_origin(entities::WHY);
     let column = |kind| TextLogColumn(datatypes::TextLogColumn { visible: true.into(), kind });
     let columns = TextLogColumns::new().with_text_log_columns([column(TextLogColumnKind::Body)]);
-    let log = TextLogView::new("Decisions: click one; the page Stages shows its scan").with_origin(ENTITIES.log);
+    let log = TextLogView::new("Decisions: click one; the page Stages shows its scan").with_origin(entities::LOG);
     let log = properties.with(log, "TextLogColumns", columns);
-    let left = plot(properties, "Ways on the map not taken", ENTITIES.new_ways);
-    let walls = plot(properties, "Walls in view", ENTITIES.walls);
+    let left = plot(properties, "Ways on the map not taken", entities::NEW_WAYS);
+    let walls = plot(properties, "Walls in view", entities::WALLS);
     let plots = Tabs::new([left, walls]);
     let words = Vertical::new([outcome.into(), why.into(), log, plots.into()]).with_row_shares([0.85, 0.85, 1.4, 0.9]);
     Horizontal::new([above, words.into()]).with_column_shares([1.5, 1.0]).with_name("Mission").into()

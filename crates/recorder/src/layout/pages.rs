@@ -3,12 +3,13 @@
 use rerun::blueprint::{ContainerLike, Horizontal, Tabs, Vertical};
 
 use super::views::Views;
-use crate::schema::{AFFINITY_W, SPECTRAL_L};
+use crate::schema::{ABOUT, AFFINITY_W, FLIGHT_SUMMARY, SPECTRAL_L, TIMING_SUMMARY};
 use crate::why::UNSURE;
 
 /// A flight: the scan at the chosen revolution, and the counts over all revolutions.
 pub(super) fn overview(views: &mut Views) -> ContainerLike {
-    let words = Tabs::new([views.why("Why this count?"), views.answer(), views.config(), views.about()]);
+    let words =
+        Tabs::new([views.why("Why this count?"), views.answer(), views.config(), views.document("About", ABOUT)]);
     let here = Vertical::new([views.scan("Here: x up, y left"), words.into()]).with_row_shares([1.15, 1.0]);
     let sure = Tabs::new([views.confidence(), views.margin()]);
     let counts = Tabs::new([views.walls(), views.zeros()]);
@@ -44,8 +45,13 @@ pub(super) fn steps(views: &mut Views) -> [ContainerLike; 7] {
     let [eigenvalues, gaps] = [views.chart("4 Eigenvalues of L"), views.gaps("Room at gaps")];
     let deciding = if views.by_gaps() { [gaps, eigenvalues] } else { [eigenvalues, gaps] };
     let u = Tabs::new([views.eigenvectors("5 U by beam"), views.embedding(), views.embedding_plane()]);
-    let words =
-        Tabs::new([views.why("8 Why?"), views.answer(), views.worth("Worth a look"), views.config(), views.about()]);
+    let words = Tabs::new([
+        views.why("8 Why?"),
+        views.answer(),
+        views.worth("Worth a look"),
+        views.config(),
+        views.document("About", ABOUT),
+    ]);
     [
         views.returns("1 Returns"),
         matrices.into(),
@@ -59,8 +65,13 @@ pub(super) fn steps(views: &mut Views) -> [ContainerLike; 7] {
 
 /// The map of the flight so far: the way, the walls, the places and passages, and why.
 pub(super) fn map(views: &mut Views) -> ContainerLike {
-    let words = Tabs::new([views.flight_summary(), views.flight_graph(), views.answer(), views.log("Log")]);
-    let aside = Vertical::new([words.into(), views.flight_places()]).with_row_shares([1.0, 0.3]);
+    let words = Tabs::new([
+        views.document("Map in words", FLIGHT_SUMMARY),
+        views.flight_graph(),
+        views.answer(),
+        views.log("Log"),
+    ]);
+    let aside = Vertical::new([words.into(), views.flight_places()]).with_row_shares([1.0, 0.4]);
     let page = Horizontal::new([views.flight_map(), aside.into()]).with_column_shares([1.0, 0.62]);
     page.with_name("Map: places and passages").into()
 }
@@ -68,6 +79,7 @@ pub(super) fn map(views: &mut Views) -> ContainerLike {
 /// Time of each stage, and whether it keeps up with the sensor.
 pub(super) fn speed(views: &mut Views) -> ContainerLike {
     let times = Vertical::new([views.timings(), views.total(), views.returns_count()]).with_row_shares([1.7, 0.9, 0.6]);
-    let page = Horizontal::new([times.into(), views.timing_table()]).with_column_shares([1.0, 0.5]);
+    let page =
+        Horizontal::new([times.into(), views.document("Time so far", TIMING_SUMMARY)]).with_column_shares([1.0, 0.5]);
     page.with_name("Speed: time per stage").into()
 }

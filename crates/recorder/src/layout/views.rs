@@ -20,14 +20,13 @@ use crate::gaps::gaps_bounds;
 use crate::profile::profile_bounds;
 use crate::scan::step_m;
 use crate::schema::{
-    ABOUT, AFFINITY_ABSENT, AFFINITY_GAPS, AFFINITY_GAPS_AXIS, AFFINITY_LINKS, AFFINITY_MARKS, AFFINITY_SCALE, CONFIG,
-    Entity, FLIGHT_GRAPH, FLIGHT_HERE, FLIGHT_NODES, FLIGHT_PASSAGES, FLIGHT_PATH, FLIGHT_POSE, FLIGHT_SCALE,
-    FLIGHT_SUMMARY, FLIGHT_UNSURE, FLIGHT_WALLS, FLIGHT_WALLS_NEW, KMEANS_BLOCKS, KMEANS_CENTROIDS, KMEANS_LABELS,
-    KMEANS_PROFILE, KMEANS_PROFILE_AXES, KMEANS_PROFILE_NAMES, LOG, REPORT_AXIS, REPORT_CONFIDENCE, REPORT_DOUBT,
-    REPORT_JUNCTIONS, REPORT_PLACE, REPORT_SUMMARY, REPORT_WHY, SCAN_COUNT, SCAN_LINKS, SCAN_NUMBERS, SCAN_OPENINGS,
-    SCAN_RETURNS, SCAN_RINGS, SCAN_SENSOR, SCAN_WALLS, SPECTRAL_AXES, SPECTRAL_CHART, SPECTRAL_CHART_AXIS,
-    SPECTRAL_EMBEDDING, SPECTRAL_K, SPECTRAL_MARGIN, SPECTRAL_U_BARS, SPECTRAL_U_PICTURE, TIMING, TIMING_FLIGHT,
-    TIMING_SUMMARY, TIMING_TOTAL, TRUTH_WALLS,
+    AFFINITY_ABSENT, AFFINITY_GAPS, AFFINITY_GAPS_AXIS, AFFINITY_LINKS, AFFINITY_MARKS, AFFINITY_SCALE, CONFIG, Entity,
+    FLIGHT_GRAPH, FLIGHT_HERE, FLIGHT_NODES, FLIGHT_PASSAGES, FLIGHT_PATH, FLIGHT_POSE, FLIGHT_SCALE, FLIGHT_UNSURE,
+    FLIGHT_WALLS, FLIGHT_WALLS_NEW, KMEANS_BLOCKS, KMEANS_CENTROIDS, KMEANS_LABELS, KMEANS_PROFILE,
+    KMEANS_PROFILE_AXES, KMEANS_PROFILE_NAMES, LOG, REPORT_AXIS, REPORT_CONFIDENCE, REPORT_DOUBT, REPORT_JUNCTIONS,
+    REPORT_PLACE, REPORT_SUMMARY, REPORT_WHY, SCAN_COUNT, SCAN_LINKS, SCAN_NUMBERS, SCAN_OPENINGS, SCAN_RETURNS,
+    SCAN_RINGS, SCAN_SENSOR, SCAN_WALLS, SPECTRAL_AXES, SPECTRAL_CHART, SPECTRAL_CHART_AXIS, SPECTRAL_EMBEDDING,
+    SPECTRAL_K, SPECTRAL_MARGIN, SPECTRAL_U_BARS, SPECTRAL_U_PICTURE, TIMING, TIMING_FLIGHT, TIMING_TOTAL, TRUTH_WALLS,
 };
 use crate::spectrum::chart_bounds;
 use crate::why::UNSURE;
@@ -84,14 +83,12 @@ impl Views {
 
     /// The returns coloured by wall, and the edges of W that decide the count.
     pub(super) fn returns(&mut self, name: &str) -> ContainerLike {
-        let contents = self.entities([SCAN_RETURNS, SCAN_NUMBERS, SCAN_LINKS, AFFINITY_LINKS, SCAN_RINGS, SCAN_SENSOR]);
-        self.above(name, contents)
+        self.above(name, [SCAN_RETURNS, SCAN_NUMBERS, SCAN_LINKS, AFFINITY_LINKS, SCAN_RINGS, SCAN_SENSOR])
     }
 
     /// Returns, walls and openings.
     pub(super) fn scan(&mut self, name: &str) -> ContainerLike {
-        let contents = self.entities([SCAN_RETURNS, SCAN_WALLS, SCAN_NUMBERS, SCAN_OPENINGS, SCAN_RINGS, SCAN_SENSOR]);
-        self.above(name, contents)
+        self.above(name, [SCAN_RETURNS, SCAN_WALLS, SCAN_NUMBERS, SCAN_OPENINGS, SCAN_RINGS, SCAN_SENSOR])
     }
 
     /// Walls and openings in space, with all entities below `root` except pictures; seen from behind and above.
@@ -110,9 +107,9 @@ impl Views {
     }
 
     /// The scan from above, x up and y left.
-    fn above<const N: usize>(&mut self, name: &str, contents: [String; N]) -> ContainerLike {
+    fn above<const N: usize>(&mut self, name: &str, shown: [Entity; N]) -> ContainerLike {
         let name = self.titled(&format!("{name}, rings {} m", step_m(self.extent.range_m)));
-        let view = Spatial3DView::new(name).with_origin(self.origin()).with_contents(contents);
+        let view = Spatial3DView::new(name).with_origin(self.origin()).with_contents(self.entities(shown));
         let height = (2.5 * self.extent.range_m) as f32; // the viewer's field of view is 55° from top to bottom
         self.seen_from(view, [0.0, 0.0, height], [1.0, 0.0, 0.0])
     }
@@ -130,17 +127,13 @@ impl Views {
 
     /// The upper triangle of a matrix, with clusters as bars along its edges and walls as frames around their blocks.
     pub(super) fn picture(&mut self, name: &str, entity: Entity) -> ContainerLike {
-        let contents =
-            self.entities([entity, AFFINITY_SCALE, AFFINITY_MARKS, AFFINITY_ABSENT, KMEANS_LABELS, KMEANS_BLOCKS]);
-        let view = Spatial2DView::new(self.titled(name)).with_origin(self.origin()).with_contents(contents);
         let n = self.extent.places as f64;
-        self.flat(view, [-0.06 * n, -0.06 * n, 1.03 * n, 1.03 * n])
+        let shown = [entity, AFFINITY_SCALE, AFFINITY_MARKS, AFFINITY_ABSENT, KMEANS_LABELS, KMEANS_BLOCKS];
+        self.flat(name, shown, [-0.06 * n, -0.06 * n, 1.03 * n, 1.03 * n])
     }
 
     pub(super) fn chart(&mut self, name: &str) -> ContainerLike {
-        let contents = self.entities([SPECTRAL_CHART, SPECTRAL_CHART_AXIS]);
-        let view = Spatial2DView::new(self.titled(name)).with_origin(self.origin()).with_contents(contents);
-        self.flat(view, chart_bounds())
+        self.flat(name, [SPECTRAL_CHART, SPECTRAL_CHART_AXIS], chart_bounds())
     }
 
     /// Whether the affinity decides gap by gap.
@@ -155,27 +148,24 @@ impl Views {
 
     /// The room at each gap beside the room that an opening needs.
     pub(super) fn gaps(&mut self, name: &str) -> ContainerLike {
-        let contents = self.entities([AFFINITY_GAPS, AFFINITY_GAPS_AXIS]);
-        let view = Spatial2DView::new(self.titled(name)).with_origin(self.origin()).with_contents(contents);
-        self.flat(view, gaps_bounds())
+        self.flat(name, [AFFINITY_GAPS, AFFINITY_GAPS_AXIS], gaps_bounds())
     }
 
     /// U as a picture, a band for each eigenvector, below a bar of the walls.
     pub(super) fn eigenvectors(&mut self, name: &str) -> ContainerLike {
-        let contents = self.entities([SPECTRAL_U_PICTURE, SPECTRAL_U_BARS, AFFINITY_ABSENT]);
-        let view = Spatial2DView::new(self.titled(name)).with_origin(self.origin()).with_contents(contents);
         let n = self.extent.places as f64;
-        self.flat(view, [-0.12 * n, -0.08 * n, 1.03 * n, (HEIGHT + 0.05) * n])
+        let shown = [SPECTRAL_U_PICTURE, SPECTRAL_U_BARS, AFFINITY_ABSENT];
+        self.flat(name, shown, [-0.12 * n, -0.08 * n, 1.03 * n, (HEIGHT + 0.05) * n])
     }
 
     /// The range of each beam, its wall and its cluster.
     pub(super) fn labels(&mut self, name: &str) -> ContainerLike {
-        let contents = self.entities([KMEANS_PROFILE, KMEANS_PROFILE_AXES, KMEANS_PROFILE_NAMES]);
-        let view = Spatial2DView::new(self.titled(name)).with_origin(self.origin()).with_contents(contents);
-        self.flat(view, profile_bounds())
+        self.flat(name, [KMEANS_PROFILE, KMEANS_PROFILE_AXES, KMEANS_PROFILE_NAMES], profile_bounds())
     }
 
-    fn flat(&mut self, view: Spatial2DView, visible: [f64; 4]) -> ContainerLike {
+    fn flat<const N: usize>(&mut self, name: &str, shown: [Entity; N], visible: [f64; 4]) -> ContainerLike {
+        let view = Spatial2DView::new(self.titled(name)).with_origin(self.origin());
+        let view = view.with_contents(self.entities(shown));
         self.properties.with(view, "VisualBounds2D", bounds(visible))
     }
 
@@ -197,19 +187,11 @@ impl Views {
     }
 
     pub(super) fn answer(&self) -> ContainerLike {
-        self.document("Answer", REPORT_SUMMARY).into()
+        self.document("Answer", REPORT_SUMMARY)
     }
 
     pub(super) fn why(&self, name: &str) -> ContainerLike {
-        self.document(name, REPORT_WHY).into()
-    }
-
-    pub(super) fn about(&self) -> ContainerLike {
-        self.document("About", ABOUT).into()
-    }
-
-    pub(super) fn timing_table(&self) -> ContainerLike {
-        self.document("Time so far", TIMING_SUMMARY).into()
+        self.document(name, REPORT_WHY)
     }
 
     pub(super) fn config(&mut self) -> ContainerLike {
@@ -217,8 +199,9 @@ impl Views {
         self.properties.with(view, "TextDocumentFormat", TextDocumentFormat::new().with_monospace(true))
     }
 
-    fn document(&self, name: &str, entity: Entity) -> TextDocumentView {
-        TextDocumentView::new(self.titled(name)).with_origin(self.path(entity))
+    /// A text.
+    pub(super) fn document(&self, name: &str, entity: Entity) -> ContainerLike {
+        TextDocumentView::new(self.titled(name)).with_origin(self.path(entity)).into()
     }
 
     /// Revolutions worth a look; a click selects one. Notes are left out.
@@ -256,32 +239,33 @@ impl Views {
 
     /// The walls that were counted, with the truth where the flight has one.
     pub(super) fn walls(&mut self) -> ContainerLike {
-        let contents = self.entities([REPORT_JUNCTIONS, TRUTH_WALLS, REPORT_AXIS]);
         let truth = if self.has_truth() { ", truth green" } else { "" };
-        self.lines(&format!("Walls counted: orange{truth}"), contents, None)
+        self.lines(&format!("Walls counted: orange{truth}"), [REPORT_JUNCTIONS, TRUTH_WALLS, REPORT_AXIS])
     }
 
     /// k, which also counts what is too small to be a wall: in a cluttered place many times the walls.
     pub(super) fn zeros(&mut self) -> ContainerLike {
-        let contents = self.entities([REPORT_JUNCTIONS, SPECTRAL_K, REPORT_AXIS]);
-        self.lines("k: blue, walls orange", contents, None)
+        self.lines("k: blue, walls orange", [REPORT_JUNCTIONS, SPECTRAL_K, REPORT_AXIS])
     }
 
     pub(super) fn margin(&mut self) -> ContainerLike {
-        let contents = self.entities([SPECTRAL_MARGIN]);
-        self.lines("Margin of k [decades]", contents, None)
+        self.lines("Margin of k [decades]", [SPECTRAL_MARGIN])
     }
 
     pub(super) fn confidence(&mut self) -> ContainerLike {
-        let contents = self.entities([REPORT_CONFIDENCE]);
-        self.lines("Confidence [0 to 1]", contents, Some([0.0, 1.05]))
+        let view = self.lines("Confidence [0 to 1]", [REPORT_CONFIDENCE]);
+        self.properties.with(view, "ScalarAxis", ScalarAxis::new().with_range(Range1D::new(0.0, 1.05)))
     }
 
     pub(super) fn places(&mut self) -> ContainerLike {
         let contents = self.entities([REPORT_DOUBT, REPORT_PLACE]);
-        let view = StateTimelineView::new(self.titled("Place and doubt: click to go there"));
-        let view = view.with_origin(self.origin()).with_contents(contents);
-        self.properties.with(view, "TimeAxis", linked())
+        self.strip(self.titled("Place and doubt: click to go there"), contents)
+    }
+
+    /// Strips of states over the whole flight.
+    fn strip<const N: usize>(&mut self, title: String, contents: [String; N]) -> ContainerLike {
+        let view = StateTimelineView::new(title).with_origin("/").with_contents(contents);
+        self.properties.with(view, "TimeAxis", TimeAxis::new().with_link(LinkAxis::LinkToGlobal))
     }
 
     /// The way, walls, places and passages so far, from above.
@@ -319,9 +303,7 @@ impl Views {
             format!("+ {}", self.path(REPORT_PLACE)),
             format!("+ {}", other.path(REPORT_PLACE)),
         ];
-        let view = StateTimelineView::new("Where they differ (walls left | right), places: click to go there");
-        let view = view.with_origin("/").with_contents(contents);
-        self.properties.with(view, "TimeAxis", linked())
+        self.strip("Where they differ (walls left | right), places: click to go there".to_owned(), contents)
     }
 
     /// The revolutions from which on two flights differ.
@@ -336,53 +318,35 @@ impl Views {
 
     pub(super) fn flight_places(&mut self) -> ContainerLike {
         let contents = self.entities([REPORT_DOUBT, FLIGHT_HERE, REPORT_PLACE]);
-        let view = StateTimelineView::new(self.titled("Doubt, and place: steady, and of each scan; click to go there"));
-        let view = view.with_origin(self.origin()).with_contents(contents);
-        self.properties.with(view, "TimeAxis", linked())
-    }
-
-    pub(super) fn flight_summary(&self) -> ContainerLike {
-        self.document("Map in words", FLIGHT_SUMMARY).into()
+        self.strip(self.titled("Doubt, and place: steady, and of each scan; click to go there"), contents)
     }
 
     pub(super) fn timings(&mut self) -> ContainerLike {
         let [ingest, affinity, spectral, kmeans, report] = TIMING;
-        let contents = self.entities([ingest, affinity, spectral, kmeans, report, TIMING_FLIGHT]);
-        let view = self.plot("Time per stage [ms] over revolutions", contents);
+        let shown = [ingest, affinity, spectral, kmeans, report, TIMING_FLIGHT];
+        let view = self.plot("Time per stage [ms] over revolutions", shown);
         self.properties.with(view, "PlotLegend", PlotLegend::new().with_corner(Corner2D::LeftTop))
     }
 
     pub(super) fn total(&mut self) -> ContainerLike {
-        let contents = self.entities([TIMING_TOTAL]);
-        self.lines("All stages together (orange), from scan to scan (grey) [ms]", contents, None)
+        self.lines("All stages together (orange), from scan to scan (grey) [ms]", [TIMING_TOTAL])
     }
 
     pub(super) fn returns_count(&mut self) -> ContainerLike {
-        let contents = self.entities([SCAN_COUNT]);
-        self.lines("Returns in a revolution", contents, None)
+        self.lines("Returns in a revolution", [SCAN_COUNT])
     }
 
     /// A plot of one or two lines, which its title names. It has no legend, which would hide a part of them.
-    fn lines<const N: usize>(&mut self, name: &str, contents: [String; N], range: Option<[f64; 2]>) -> ContainerLike {
-        let view = self.plot(name, contents);
-        let view = self.properties.with(view, "PlotLegend", PlotLegend::new().with_visible(false));
-        match range {
-            Some([from, to]) => {
-                self.properties.with(view, "ScalarAxis", ScalarAxis::new().with_range(Range1D::new(from, to)))
-            }
-            None => view,
-        }
+    fn lines<const N: usize>(&mut self, name: &str, shown: [Entity; N]) -> ContainerLike {
+        let view = self.plot(name, shown);
+        self.properties.with(view, "PlotLegend", PlotLegend::new().with_visible(false))
     }
 
-    fn plot<const N: usize>(&mut self, name: &str, contents: [String; N]) -> ContainerLike {
-        let view = TimeSeriesView::new(self.titled(name)).with_origin(self.origin()).with_contents(contents);
+    fn plot<const N: usize>(&mut self, name: &str, shown: [Entity; N]) -> ContainerLike {
+        let view = TimeSeriesView::new(self.titled(name)).with_origin(self.origin());
+        let view = view.with_contents(self.entities(shown));
         self.properties.with(view, "TimeAxis", whole_flight())
     }
-}
-
-/// The time axis of a strip of states, which shows the whole flight.
-fn linked() -> TimeAxis {
-    TimeAxis::new().with_link(LinkAxis::LinkToGlobal)
 }
 
 /// The time axis of a plot of the whole flight. A plot that is linked shows a part of a long flight.

@@ -2,15 +2,12 @@
 //! recording holds.
 //!
 //! Messages are read from the files one by one, changed where they must be, and handed to the native viewer's standard
-//! input or to a server; nothing is kept here, whatever the size of the recording.
+//! input or to a server; of the values no more than a revolution is kept here, whatever the size of the recording.
 
 mod control;
 mod differences;
 mod error;
 mod flight;
-mod grouping;
-mod made;
-mod recolored;
 mod sensors;
 
 use std::fs::File;
@@ -22,10 +19,10 @@ use rerun::log::LogMsg;
 use rerun::sink::LogSink as _;
 
 pub use self::error::ShowError;
-use self::flight::{Destination, Facts, Flight};
-use self::recolored::Colors;
+use self::flight::{Destination, Flight};
 use crate::RecorderError;
 use crate::layout::{self, Layout, Shown, Side};
+use crate::schema::REPORT_JUNCTIONS;
 use crate::serving::{self, Served};
 use crate::viewer::Viewer;
 
@@ -57,10 +54,11 @@ impl Show {
         let opened = self.open()?;
         let port = self.at.map(|_| free_port()).transpose()?;
         let mut viewer = Viewer::start("rerun", port)?;
-        let (mut damages, revolutions) = opened.send(&mut |message| viewer.take(&message))?;
+        let mut damages = opened.send(&mut |message| viewer.take(&message))?;
         viewer.end();
-        if let (Some(at), Some(port)) = (self.at, port) {
-            damages.extend(take_to(at, &revolutions, port, || viewer.is_open()).err());
+        let recorded = opened.flight.recording.entities().get(REPORT_JUNCTIONS.path).and_then(|of| of.revolutions);
+        if let (Some(at), Some(port), Some(recorded)) = (self.at, port, recorded) {
+            damages.extend(take_to(at, recorded, port, || viewer.is_open()).err());
         }
         viewer.wait()?;
         Ok(damages)
@@ -79,7 +77,7 @@ impl Show {
         let opened = self.open()?;
         let server = serving::open(address)?;
         announce(&server.served);
-        let (damages, _) = opened.send(&mut |message| {
+        let damages = opened.send(&mut |message| {
             server.sink.send(message);
             !stopped()
         })?;
@@ -108,53 +106,47 @@ struct Opened<'a> {
 }
 
 impl Opened<'_> {
-    /// Hands over everything, the layout last. Gives what could not be read, and stamps and numbers of the revolutions.
-    fn send(&self, take: &mut dyn FnMut(LogMsg) -> bool) -> Result<(Vec<String>, Vec<[i64; 2]>), ShowError> {
-        let store = self.flight.store();
-        let own_layout = self.show.layout.is_none() && self.beside.is_none() && self.show.sensors.is_empty();
-        let at = |below: Option<&str>| Destination {
+    /// Hands over everything, the layout last. Gives what could not be read.
+    fn send(&self, take: &mut dyn FnMut(LogMsg) -> bool) -> Result<Vec<String>, ShowError> {
+        let Self { show, flight, beside } = self;
+        let (store, first, extent) = (flight.store(), show.layout, flight.extent());
+        let own_layout = first.is_none() && beside.is_none() && show.sensors.is_empty();
+        let at = |below: Option<&str>, without| Destination {
             store: store.clone(),
             below: below.map(Into::into),
             own_layout,
-            colors: Colors::default(),
+            without,
         };
-        let (first, mut facts, mut pictures) = (self.show.layout, Facts::default(), Vec::new());
-        if let Some(beside) = &self.beside {
-            let mut other = Facts::default();
-            let mut damages = beside.send(&at(Some(RIGHT)), &mut other, &mut |_| true)?;
-            damages.splice(0..0, self.flight.send(&at(Some(LEFT)), &mut facts, take)?);
-            // Read again, in the colours of the first.
-            let colors = other.color_as(&facts);
-            beside.send(&Destination { colors, ..at(Some(RIGHT)) }, &mut Facts::default(), take)?;
-            let files = names([&self.show.flight[0], &self.show.beside[0]]);
-            let names = differences::titles(&files, [&facts, &other]);
-            let compared = differences::messages(store, &names, &files, [&facts, &other]);
-            compared.map_err(RecorderError::from)?.into_iter().all(&mut *take);
-            let [left, right] = names;
-            let left = Side { below: LEFT, name: &left, extent: facts.extent };
-            let right = Side { below: RIGHT, name: &right, extent: other.extent };
+        if let Some(beside) = beside {
+            flight.send(&at(Some(LEFT), |_| false), take)?;
+            beside.send(&at(Some(RIGHT), differences::is_recolored), take)?;
+            let files = names([&show.flight[0], &show.beside[0]]);
+            let recordings = [&flight.recording, &beside.recording];
+            let names = differences::titles(&files, recordings);
+            differences::messages(store, &names, &files, recordings)?.into_iter().all(&mut *take);
+            let [left, right] = &names;
+            let left = Side { below: LEFT, name: left, extent };
+            let right = Side { below: RIGHT, name: right, extent: beside.extent() };
             lay_out(&Shown::Beside { first, sides: [left, right] }, take)?;
-            return Ok((damages, facts.revolutions));
+            return Ok(flight.damages().chain(beside.damages()).collect());
         }
-        let damages = self.flight.send(&at(None), &mut facts, take)?;
-        for path in &self.show.sensors {
-            pictures.extend(sensors::send(path, store, &facts, take)?);
-        }
-        if !self.show.sensors.is_empty() {
-            sensors::tie(store, &facts)?.into_iter().all(&mut *take);
-            let (extent, root, pictures) = (facts.extent, sensors::ROOT, &pictures[..]);
-            lay_out(&Shown::Sensors { first, extent, root, pictures }, take)?;
+        flight.send(&at(None, |_| false), take)?;
+        if !show.sensors.is_empty() {
+            let (revolutions, mut pictures) = (flight.revolutions(), Vec::new());
+            for path in &show.sensors {
+                pictures.extend(sensors::send(path, store, &revolutions, take)?);
+            }
+            sensors::tie(store, &flight.recording)?.into_iter().all(&mut *take);
+            lay_out(&Shown::Sensors { first, extent, root: sensors::ROOT, pictures: &pictures }, take)?;
         } else if let Some(first) = first {
-            lay_out(&Shown::Flight { first, extent: facts.extent }, take)?;
+            lay_out(&Shown::Flight { first, extent }, take)?;
         }
-        Ok((damages, facts.revolutions))
+        Ok(flight.damages().collect())
     }
 }
 
 /// Takes the viewer that listens at `port` to a revolution. The error says in words why it is not shown.
-fn take_to(at: u64, revolutions: &[[i64; 2]], port: u16, is_open: impl FnMut() -> bool) -> Result<(), String> {
-    let numbers = || revolutions.iter().map(|[_, seq]| *seq);
-    let (Some(first), Some(last)) = (numbers().min(), numbers().max()) else { return Ok(()) };
+fn take_to(at: u64, [first, last]: [i64; 2], port: u16, is_open: impl FnMut() -> bool) -> Result<(), String> {
     match i64::try_from(at).ok().filter(|at| (first..=last).contains(at)) {
         None => Err(format!("there is no revolution {at}: the recording has {first} to {last}")),
         Some(at) => control::go_to(port, at, last, is_open)

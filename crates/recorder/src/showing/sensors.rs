@@ -8,14 +8,18 @@ use std::io::{BufReader, ErrorKind};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
+use crosscut_rrd::{Recording, Value};
 use rerun::external::re_log_encoding::DecoderApp;
 use rerun::external::re_log_types::{EntityPath, StoreId};
 use rerun::log::{Chunk, LogMsg};
-use rerun::{RecordingStreamBuilder, StoreKind, TimeColumn, Transform3D, TransformRelation};
+use rerun::{
+    ComponentDescriptor, CoordinateFrame, Quaternion, RecordingStreamBuilder, StoreKind, TimeColumn, Transform3D,
+    TransformRelation,
+};
 
 use super::error::ShowError;
-use super::flight::Facts;
 use crate::RecorderError;
+use crate::schema::SCAN_MOUNTING;
 
 /// Where it is put.
 pub(crate) const ROOT: &str = "mcap";
@@ -33,7 +37,7 @@ const PICTURES: [&str; 5] = ["EncodedImage:", "Image:", "DepthImage:", "EncodedD
 pub(super) fn send(
     path: &Path,
     store: &StoreId,
-    facts: &Facts,
+    revolutions: &[[i64; 2]],
     take: &mut dyn FnMut(LogMsg) -> bool,
 ) -> Result<Vec<String>, ShowError> {
     let cannot = |cause: String| ShowError::Sensors { path: path.to_owned(), cause };
@@ -50,7 +54,7 @@ pub(super) fn send(
         if chunk.entity_path().to_string().starts_with("/__") {
             continue; // properties of the file, not of the flight
         }
-        let chunk = on_our_timelines(&chunk, facts).map_err(|e| cannot(e.to_string()))?;
+        let chunk = on_our_timelines(&chunk, revolutions).map_err(|e| cannot(e.to_string()))?;
         let entity = chunk.entity_path().to_string();
         let is_picture = |name: &str| PICTURES.iter().any(|archetype| name.starts_with(archetype));
         if !pictures.contains(&entity) && chunk.components_identifiers().any(|name| is_picture(name.as_str())) {
@@ -95,13 +99,13 @@ impl Drop for Converter {
 }
 
 /// The chunk under [`ROOT`], with `stamp` and `revolution` as its only timelines; static stays static.
-fn on_our_timelines(chunk: &Chunk, facts: &Facts) -> Result<Chunk, rerun::log::ChunkError> {
+fn on_our_timelines(chunk: &Chunk, revolutions: &[[i64; 2]]) -> Result<Chunk, rerun::log::ChunkError> {
     let under = EntityPath::from(ROOT).join(chunk.entity_path());
     let stamps = STAMPS.iter().find_map(|name| chunk.timelines().get(&(*name).into()));
     let stamps: Option<Vec<i64>> = stamps.map(|column| column.times_raw().to_vec());
     let mut chunk = chunk.clone_with_new_entity_path(under);
     if let Some(stamps) = stamps {
-        let revolutions = stamps.iter().map(|&stamp_ns| facts.revolution_at(stamp_ns));
+        let revolutions = stamps.iter().map(|&stamp_ns| revolution_at(revolutions, stamp_ns));
         chunk.add_timeline(TimeColumn::new_sequence("revolution", revolutions))?;
         chunk.add_timeline(TimeColumn::new_timestamp_nanos_since_epoch("stamp", stamps))?;
         chunk = chunk.timelines_sliced(&["revolution".into(), "stamp".into()].into_iter().collect());
@@ -109,17 +113,25 @@ fn on_our_timelines(chunk: &Chunk, facts: &Facts) -> Result<Chunk, rerun::log::C
     Ok(chunk)
 }
 
+/// The revolution that was the latest at this time, by stamps and numbers; before the first one, the first.
+fn revolution_at(revolutions: &[[i64; 2]], stamp_ns: i64) -> i64 {
+    let after = revolutions.partition_point(|[stamp, _]| *stamp <= stamp_ns);
+    revolutions.get(after.saturating_sub(1)).map_or(0, |[_, seq]| *seq)
+}
+
 /// Ties the sensor's frame to the body frame, which is the root of our entities.
-pub(super) fn tie(store: &StoreId, facts: &Facts) -> Result<Vec<LogMsg>, ShowError> {
-    let Some(frame) = &facts.frame else { return Ok(Vec::new()) };
+pub(super) fn tie(store: &StoreId, recording: &Recording) -> Result<Vec<LogMsg>, ShowError> {
+    let mounted = |of: ComponentDescriptor| recording.value_throughout(SCAN_MOUNTING.path, of.component.as_str());
+    let Some(Value::Texts(frame)) = mounted(CoordinateFrame::descriptor_frame())? else { return Ok(Vec::new()) };
+    let turned = mounted(Transform3D::descriptor_quaternion())?.map(|xyzw| xyzw.to_f64());
     let build = || -> rerun::RecordingStreamResult<Vec<LogMsg>> {
         let (scratch, storage) = RecordingStreamBuilder::from_store_id(store).send_properties(false).memory()?;
         let mut tie = Transform3D::new()
-            .with_parent_frame(frame.clone())
+            .with_parent_frame(frame.concat())
             .with_child_frame("tf#/")
             .with_relation(TransformRelation::ChildFromParent);
-        if let Some(turned) = facts.mounting {
-            tie = tie.with_quaternion(turned);
+        if let Some([x, y, z, w]) = turned.as_deref() {
+            tie = tie.with_quaternion(Quaternion::from_xyzw([x, y, z, w].map(|part| *part as f32)));
         }
         scratch.log_static(format!("{ROOT}/tie"), &tie)?;
         let mut messages = storage.take();

@@ -68,7 +68,7 @@ pub(crate) fn comparison(entity: &str, component: &str) -> Option<fn(&Value, &Fr
         ("/scan/links", "Points3D:positions") => |value, frame| points(value).len() == links(frame).len(),
         ("/scan/links", "Points3D:labels") => |value, frame| {
             let [nearest, others @ ..] = texts(value) else { return links(frame).is_empty() };
-            let count = Explanation::of(frame).nearest(frame).map_or(0, |near| near.count);
+            let count = Explanation::of(frame).nearest.map_or(0, |near| near.count);
             nearest.starts_with(&format!("{count} wall")) && others.iter().all(|label| label.starts_with("k = "))
         },
         ("/scan/numbers", "Points3D:labels") => |value, frame| {
@@ -87,7 +87,7 @@ pub(crate) fn comparison(entity: &str, component: &str) -> Option<fn(&Value, &Fr
         // A ring around both ends of the gap that is nearest to another count: its middle is between them.
         ("/scan/numbers", "LineStrips3D:strips") => |value, frame| {
             let explanation = Explanation::of(frame);
-            let near = explanation.nearest(frame).filter(|_| explanation.may_be_none.is_none());
+            let near = explanation.nearest.as_ref().filter(|_| explanation.may_be_none.is_none());
             near.map(|near| near.returns).is_none_or(|[i, j]| {
                 let middle = nalgebra::center(&frame.revolution.points_m[i], &frame.revolution.points_m[j]);
                 let ring = &lines(value)[0];
@@ -201,7 +201,7 @@ pub(crate) fn comparison(entity: &str, component: &str) -> Option<fn(&Value, &Fr
 /// The gap that the sentence names, then the edges of other changes, as lines.
 pub(crate) fn links(frame: &Frame) -> Vec<Vec<Vec<f64>>> {
     let explanation = Explanation::of(frame);
-    let nearest = explanation.nearest(frame).map(|near| near.returns);
+    let nearest = explanation.nearest.as_ref().map(|near| near.returns);
     let sorted = |[a, b]: [usize; 2]| [a.min(b), a.max(b)];
     let changes = explanation.changes.iter().filter_map(|change| Some(change.edge?.returns));
     let changes = changes.filter(|returns| nearest.map(sorted) != Some(sorted(*returns)));

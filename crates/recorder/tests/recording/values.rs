@@ -254,7 +254,7 @@ fn the_explanation_is_the_one_of_its_crate_and_the_links_join_the_returns_that_i
     assert!(text[0].starts_with("## 3 walls."), "{}", text[0]);
     let strips: Vec<components::LineStrip3D> =
         recording.at("/scan/links", LineStrips3D::descriptor_strips(), 4).unwrap();
-    let named = explanation.nearest(&frame).expect("walls that are near each other").returns;
+    let named = explanation.nearest.as_ref().expect("walls that are near each other").returns;
     let ends = named.map(|i| frame.revolution.points_m[i]).map(|p| [p.x as f32, p.y as f32, 0.0]);
     assert_eq!([strips[0].0[0].0, strips[0].0[1].0], ends, "what the sentence names is drawn first");
 }

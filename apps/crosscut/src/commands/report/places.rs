@@ -171,8 +171,8 @@ impl Stay {
             )
         });
         format!(
-            "<figure>\n<figcaption><b>{}</b>{node}<br><a href=\"#over-time\">revolutions {from} to {to}</a>; shown {seq}: k = {k}{margin}, confidence \
-             {confidence}{}<br><code>{}</code></figcaption>\n<div>{}{}</div>\n<ul>{}</ul>\n<ul class=\"notes\">{}</ul>\n</figure>\n",
+            "<figure>\n<figcaption><b>{}</b>{node}<br><a href=\"#over-time\">revolutions {from} to {to}</a>; scan {seq} is shown: confidence \
+             {confidence}, k = {k}{margin}{}<br><code>{}</code></figcaption>\n<div>{}{}</div>\n<ul>{}</ul>\n<ul class=\"notes\">{}</ul>\n</figure>\n",
             escaped(&self.what),
             disagrees.unwrap_or_default(),
             escaped(&look.at(seq)),
