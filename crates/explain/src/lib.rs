@@ -35,4 +35,4 @@ pub use judged::{Judged, judged};
 pub use nearest::Nearest;
 pub use wall_edges::{Edge, WallEdges};
 pub use watch::{Doubt, Event, Watch};
-pub use words::{inequality, widths};
+pub use words::{inequality, wall, widths};

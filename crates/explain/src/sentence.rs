@@ -8,23 +8,26 @@ use crate::words::{power, wall};
 use crate::{Change, Explanation};
 
 impl Explanation {
-    /// The count: "4 walls." And what is nearest to another one: "Without 3 (vermilion), which has
-    /// 2 returns, it would be 3. It would be 3 if 1 (orange) and 2 (blue) were one: their ends are 3.2 m apart."; empty if nothing is known to be near.
+    /// The count: "4 walls." or "4 walls and 1 island." And what is nearest to another one: "Without wall 3 (vermilion), which
+    /// has 2 returns, there would be 3 walls. There would be 3 walls if wall 1 (orange) and wall 2 (blue) were one: their ends
+    /// are 3.2 m apart."; empty if nothing is known to be near.
     /// `color_of` names the colour in which a wall is drawn.
     pub fn sentence(&self, frame: &Frame, color_of: &dyn Fn(u32) -> &'static str) -> [String; 2] {
         let count = frame.junction.junctions;
-        let walls = if frame.revolution.is_empty() {
-            "No wall: the scan has no return.".to_owned()
-        } else {
-            format!("{}.", counted(count as u64, "wall"))
+        let walls = |count: usize| counted(count as u64, "wall");
+        let islands = frame.junction.walls.iter().filter(|wall| wall.island).count();
+        let title = match islands {
+            _ if frame.revolution.is_empty() => "No wall: the scan has no return.".to_owned(),
+            0 => format!("{}.", walls(count)),
+            _ => format!("{} and {}.", walls(count), counted(islands as u64, "island")),
         };
         let named = |id: u32| wall(id, color_of(id));
-        let near = self.nearest.as_ref().map(|Nearest { count, walls, gap_m, .. }| {
-            let (are, gap) = match walls[..] {
+        let near = self.nearest.as_ref().map(|Nearest { count, walls: of, gap_m, .. }| {
+            let (are, gap) = match of[..] {
                 [a, b] => (format!("{} and {} were one", named(a), named(b)), "their ends"),
-                _ => (format!("{} were two", walls.iter().copied().map(named).collect::<String>()), "neighbours in it"),
+                _ => (format!("{} were two", of.iter().copied().map(named).collect::<String>()), "neighbours in it"),
             };
-            format!("It would be {count} if {are}: {gap} are {gap_m:.1} m apart.")
+            format!("There would be {} if {are}: {gap} are {gap_m:.1} m apart.", walls(*count))
         });
         let change = || self.changes.first().filter(|_| frame.affinity.verdicts.is_empty());
         let by_spectrum = || change().map(|change| spectral(change, frame, &named));
@@ -32,10 +35,10 @@ impl Explanation {
         let without = doubtful.map(|of| {
             let few = format!("has {}", counted(of.returns as u64, "return"));
             let why = if of.returns <= FEW { &few } else { "stands free inside a gap" };
-            format!("Without {}, which {why}, it would be {}.", named(of.id), count.saturating_sub(1))
+            format!("Without {}, which {why}, there would be {}.", named(of.id), walls(count.saturating_sub(1)))
         });
         let near = near.or_else(by_spectrum);
-        [walls, without.into_iter().chain(near).collect::<Vec<_>>().join(" ")]
+        [title, without.into_iter().chain(near).collect::<Vec<_>>().join(" ")]
     }
 }
 

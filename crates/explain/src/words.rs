@@ -247,9 +247,9 @@ impl Words<'_> {
     }
 }
 
-/// What a wall is called: "3 (vermilion)"; "wall 3" where it is not drawn.
-pub(crate) fn wall(id: u32, color: &str) -> String {
-    if color.is_empty() { format!("wall {id}") } else { format!("{id} ({color})") }
+/// What a wall is called: "wall 3 (vermilion)"; "wall 3" where it is not drawn.
+pub fn wall(id: u32, color: &str) -> String {
+    if color.is_empty() { format!("wall {id}") } else { format!("wall {id} ({color})") }
 }
 
 /// The inequality that gives k: "λ3 7.4e-9 < τ 1.0e-7 ≤ λ4 2.5e-5".

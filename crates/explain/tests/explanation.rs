@@ -180,12 +180,12 @@ fn the_text_names_beams_distances_weights_and_notes() {
     frame.junction.walls = vec![wall(0, 4), wall(1, 3)];
     let text = Explanation::of(&frame).to_markdown(&frame, &|wall| ["blue", "orange"][wall as usize]);
     for expected in [
-        "## 2 walls.\n\n**Without 1 (orange), which has 3 returns, it would be 1. It would be 1 if 1 (orange) and 0 (blue) were \
-         one: their ends are 3.0 m apart.**",
+        "## 2 walls.\n\n**Without wall 1 (orange), which has 3 returns, there would be 1 wall. There would be 1 wall if wall 1 \
+         (orange) and wall 0 (blue) were one: their ends are 3.0 m apart.**",
         "k = 2 zeros of L",
         "beams 4, 5: 3.00 m",
         "beams 2, 4: 1.50 m",
-        "0 (blue)**, 4 returns: ",
+        "wall 0 (blue)**, 4 returns: ",
         "- 3 beams masked",
         "1 have no return",
     ] {
@@ -258,12 +258,12 @@ fn the_sentence_goes_by_the_verdict_that_is_nearest_to_another_one() {
     let opening = verdict([3, 4], true, 3.0);
     assert_eq!(
         sentence(vec![opening]),
-        "It would be 1 if 0 (blue) and 1 (orange) were one: their ends are 3.0 m apart."
+        "There would be 1 wall if wall 0 (blue) and wall 1 (orange) were one: their ends are 3.0 m apart."
     );
     let inside = verdict([2, 3], false, 0.8);
     assert_eq!(
         sentence(vec![opening, inside]),
-        "It would be 3 if 0 (blue) were two: neighbours in it are 1.5 m apart."
+        "There would be 3 walls if wall 0 (blue) were two: neighbours in it are 1.5 m apart."
     );
     assert_eq!(sentence(vec![verdict([2, 3], false, 0.0)]), sentence(vec![]), "a gap without room is not near");
 }
@@ -281,7 +281,10 @@ fn a_wall_inside_a_gap_may_be_none() {
     let explanation = Explanation::of(&frame);
     assert_eq!(explanation.may_be_none, Some(2));
     let [_, nearest] = explanation.sentence(&frame, &|_| "");
-    assert!(nearest.starts_with("Without wall 2, which stands free inside a gap, it would be 2."), "{nearest}");
+    assert!(
+        nearest.starts_with("Without wall 2, which stands free inside a gap, there would be 2 walls."),
+        "{nearest}"
+    );
 }
 
 #[test]

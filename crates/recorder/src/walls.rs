@@ -21,7 +21,7 @@ pub(crate) struct Walls {
 
 /// A wall that counts in one of two scans alone.
 pub(crate) struct Alone {
-    /// "4 (lime), 16 returns, is new; before, it was part of 2 (green)".
+    /// "wall 4 (lime), 16 returns, is new; before, it was part of wall 2 (green)".
     pub(crate) words: String,
     /// Its class, and the number of the wall that it is part of in the other scan.
     pub(crate) class: u16,
@@ -73,7 +73,7 @@ impl Walls {
         alone.map(told).collect()
     }
 
-    /// "2 (green) has 40 returns by paper and 70 by default", of the wall that both count and that differs the most.
+    /// "wall 2 (green) has 40 returns by paper and 70 by default", of the wall that both count and that differs the most.
     pub(crate) fn most_other(&self, other: &Self, [own, others]: &[String; 2]) -> Option<String> {
         let both = self.counted().filter_map(|(class, wall)| Some((class, wall, other.by_class.get(&class)?)));
         let (class, a, b) = both.min_by(|a, b| self.shared(other, a.0).total_cmp(&self.shared(other, b.0)))?;
@@ -83,7 +83,7 @@ impl Walls {
 }
 
 fn name(class: u16, wall: &Wall) -> String {
-    format!("{} ({})", wall.id, name_of(class))
+    crosscut_explain::wall(wall.id, name_of(class))
 }
 
 /// The walls of the revolution before, of which this is the number.
@@ -91,7 +91,7 @@ fn name(class: u16, wall: &Wall) -> String {
 pub(crate) struct Before(Option<(u64, Walls)>);
 
 impl Before {
-    /// "Since 227 (4 walls): 4 (lime), 16 returns, is new; before, it was an island.", if the count is another one.
+    /// "Since 227 (4 walls): wall 4 (lime), 16 returns, is new; before, it was an island.", if the count is another one.
     pub(crate) fn what_changed(&mut self, frame: &Frame, classes: &Classes) -> Option<String> {
         let (seq, before) = self.0.replace((frame.revolution.seq, Walls::of(frame, classes)))?;
         let (_, now) = self.0.as_ref()?;
@@ -121,11 +121,11 @@ mod tests {
         let alone = b.alone(&a, "is counted by default alone; by paper it is");
         assert_eq!(
             alone[0].words,
-            "1 (orange), 30 returns, is counted by default alone; by paper it is part of 0 (blue)"
+            "wall 1 (orange), 30 returns, is counted by default alone; by paper it is part of wall 0 (blue)"
         );
         assert_eq!((alone.len(), alone[0].class, alone[0].part_of, a.alone(&b, "").len()), (1, 1, Some(0), 0));
         let gone = &walls(&[(0, 40), (1, 9)]).alone(&walls(&[(0, 40)]), "is gone; now it is")[0].words;
-        assert_eq!(gone, "1 (orange), 9 returns, is gone; now it is not seen");
+        assert_eq!(gone, "wall 1 (orange), 9 returns, is gone; now it is not seen");
     }
 
     #[test]
@@ -135,6 +135,6 @@ mod tests {
         let b = walls(&[(0, 40), (1, 10), (2, 40)]);
         assert!(!a.is_as(&b) && a.alone(&b, "").is_empty());
         let told = a.most_other(&b, &["a", "b"].map(str::to_owned));
-        assert_eq!(told.as_deref(), Some("1 (orange) has 30 returns by a and 10 by b"));
+        assert_eq!(told.as_deref(), Some("wall 1 (orange) has 30 returns by a and 10 by b"));
     }
 }

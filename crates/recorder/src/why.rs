@@ -8,7 +8,7 @@ use rerun::{
 };
 
 use crate::beam_order::{BeamOrder, LARGEST_SIDE};
-use crate::colors::{DOUBTS, EDGE, NAMED, OTHER, TOLERANCE, WEAK_EDGE, color, name_of};
+use crate::colors::{DOUBTS, EDGE, NAMED, OTHER, WEAK_EDGE, color, name_of};
 use crate::matrices::is_drawn;
 use crate::rows::Rows;
 use crate::scan::{within_view, xyz};
@@ -33,7 +33,7 @@ pub(crate) const UNSURE: &str = "UNSURE";
 /// Look of the entities.
 pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     let ui = Radius::new_ui_points;
-    let marks = Points3D::update_fields().with_radii([ui(0.0)]).with_colors([color(TOLERANCE)]).with_show_labels(true);
+    let marks = Points3D::update_fields().with_radii([ui(0.0)]).with_show_labels(true);
     let lines = LineStrips3D::update_fields().with_radii([ui(2.0)]);
     rec.log_static(SCAN_LINKS.path, &[&lines as &dyn AsComponents, &marks])?;
     rec.log_static(REPORT_WHY.path, &TextDocument::update_fields().with_media_type(MediaType::MARKDOWN))?;
@@ -203,8 +203,8 @@ pub(crate) fn log_decisive(rows: &mut Rows, revolution: &Revolution, decisive: &
         decisive.iter().map(|link| (line(revolution, link.returns), color(link.rgba))).unzip();
     let at = readable(decisive.iter().map(|link| beneath(revolution, link.returns)).collect(), reach_m);
     let labels = decisive.iter().map(|link| link.label.as_str());
-    let lines = LineStrips3D::new(lines).with_colors(colors);
-    let marks = Points3D::new(at.iter().map(xyz)).with_labels(labels);
+    let lines = LineStrips3D::new(lines).with_colors(colors.iter().copied());
+    let marks = Points3D::new(at.iter().map(xyz)).with_colors(colors).with_labels(labels);
     rows.log(&SCAN_LINKS, &[&lines as &dyn AsComponents, &marks]);
 }
 

@@ -251,10 +251,10 @@ fn why_differ(walls: [&Walls; 2], names: &[String; 2], texts: &[String; 2]) -> S
     if alone.is_empty() { walls[0].most_other(walls[1], names).unwrap_or_default() } else { alone.join("; ") }
 }
 
-/// The weakest edge of a wall in words, and its beams, by the line "- **3 (blue)**, 2 returns: weakest edge inside 4.4e-3 (beams 341,
+/// The weakest edge of a wall in words, and its beams, by the line "- **wall 3 (blue)**, 2 returns: weakest edge inside 4.4e-3 (beams 341,
 /// 342: 1.90 m); ..." of `/report/why`.
 fn weakest_edge(text: &str, wall: u32) -> Option<(&str, [usize; 2])> {
-    let line = text.lines().find(|line| line.starts_with(&format!("- **{wall} (")))?;
+    let line = text.lines().find(|line| line.starts_with(&format!("- **wall {wall} (")))?;
     let edge = line.split_once("weakest edge inside ")?.1.split_once(';')?.0;
     let (i, j) = edge.split_once("beams ")?.1.split_once(':')?.0.split_once(", ")?;
     Some((edge, [i.parse().ok()?, j.parse().ok()?]))
@@ -436,11 +436,11 @@ mod tests {
 
     #[test]
     fn the_edge_of_a_wall_is_read_and_colours_of_walls_are_renamed_and_no_other_words() {
-        let text = "- **0 (blue)**, 70 returns: weakest edge inside 1.5e-7 (beams 39, 45: 3.30 m); no edge";
+        let text = "- **wall 0 (blue)**, 70 returns: weakest edge inside 1.5e-7 (beams 39, 45: 3.30 m); no edge";
         assert_eq!(weakest_edge(text, 0), Some(("1.5e-7 (beams 39, 45: 3.30 m)", [39, 45])));
         assert_eq!(weakest_edge(text, 1), None);
-        let text = "if 1 (orange) and 11 (blue) were one; blue is drawn (islands)\n| 2 (island) | green | 4 |\n| 3 | blue | 5 |";
-        let expected = "if 1 (green) and 11 (orange) were one; blue is drawn (islands)\n| 2 (island) | blue | 4 |\n| 3 | orange | 5 |";
+        let text = "if wall 1 (orange) and wall 11 (blue) were one; blue is drawn (islands)\n| 2 (island) | green | 4 |\n| 3 | blue | 5 |";
+        let expected = "if wall 1 (green) and wall 11 (orange) were one; blue is drawn (islands)\n| 2 (island) | blue | 4 |\n| 3 | orange | 5 |";
         assert_eq!(renamed(text, &[[0, 1], [1, 2], [2, 0]]), expected);
     }
 }
