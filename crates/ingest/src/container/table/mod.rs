@@ -376,7 +376,7 @@ fn usual_view_deg(scans: &[Vec<f32>]) -> Option<[f64; 2]> {
     let beams = scans.first()?.len();
     let (_, view_deg) = *VIEWS_DEG.iter().find(|(of, _)| *of == beams)?;
     let factor = |a: f32, b: f32| Some(f64::from((a / b).ln().abs())).filter(|factor| factor.is_finite());
-    let at_ends = usual(scans.iter().filter_map(|ranges| factor(ranges[0], *ranges.last()?)));
+    let at_ends = usual(scans.iter().filter_map(|ranges| factor(*ranges.first()?, *ranges.last()?)));
     let next_to = scans.iter().flat_map(|ranges| ranges.windows(2)).filter_map(|pair| factor(pair[0], pair[1]));
     let closes = || Some(at_ends? <= CLOSED.max(2.0 * usual(next_to)?));
     (view_deg[1] == 135.0 || closes() == Some(view_deg[0] == 0.0)).then_some(view_deg)
