@@ -74,6 +74,8 @@ enum TimedBy {
 
 /// Why a line cannot be read.
 type Cause = String;
+/// The time in a line, nanoseconds, if a stamp can hold it.
+type Stated = Option<u64>;
 
 impl LineFormat for Carmen {
     const NAME: &'static str = "CARMEN log";
@@ -92,7 +94,7 @@ impl LineFormat for Carmen {
             }
             Some(word) => {
                 let Some(laser) = LASERS.iter().position(|laser| *laser == word) else { return };
-                self.has_lasers[laser] = true;
+                let has_one_before = mem::replace(&mut self.has_lasers[laser], true);
                 let mut words = Words { words, is_ended: line.is_ended };
                 let Ok((scan, _, time_ns)) = self.laser_line(word, &mut words) else { return };
                 if word == "FLASER" || word == "RLASER" {
@@ -106,10 +108,10 @@ impl LineFormat for Carmen {
                     }
                 }
                 self.laser_lines.push(line.number);
-                self.first_ns.get_or_insert(time_ns);
-                let times_ns = [Some(time_ns), words.words.nth(1).and_then(nanoseconds)];
+                self.first_ns = self.first_ns.or(time_ns);
+                let times_ns = [time_ns, words.words.nth(1).and_then(nanoseconds)];
                 let before_ns = mem::replace(&mut self.last_ns[laser], times_ns);
-                self.following += u64::from(before_ns[0].is_some());
+                self.following += u64::from(has_one_before);
                 for (later, (before_ns, ns)) in self.later.iter_mut().zip(before_ns.into_iter().zip(times_ns)) {
                     *later += u64::from(before_ns.is_some_and(|before_ns| ns > Some(before_ns)));
                 }
@@ -142,13 +144,16 @@ impl LineFormat for Carmen {
         // Of a line whose own time is of no use, the pose in the very line is the odometry.
         let are_own = !self.has_odometry_lines || (self.timed_by() != TimedBy::Scan && self.has_own_poses());
         if word == "ODOM" {
-            let (pose, speeds, time_ns) = odometry_line(&mut words).map_err(|cause| (ODOMETRY, cause))?;
+            let of_line = |cause| (ODOMETRY, cause);
+            let (pose, speeds, time_ns) = odometry_line(&mut words).map_err(of_line)?;
             if !are_own {
-                out.push_back(odometry(ODOMETRY, pose, speeds, self.time_ns(line, time_ns, &mut words)));
+                let time_ns = self.time_ns(line, time_ns, &mut words).map_err(of_line)?;
+                out.push_back(odometry(ODOMETRY, pose, speeds, time_ns));
             }
         } else if let Some((laser, _)) = (0..).zip(LASERS).find(|(_, laser)| *laser == word) {
-            let (mut scan, pose, time_ns) = self.laser_line(word, &mut words).map_err(|cause| (laser, cause))?;
-            let log_time_ns = self.time_ns(line, time_ns, &mut words);
+            let of_line = |cause| (laser, cause);
+            let (mut scan, pose, time_ns) = self.laser_line(word, &mut words).map_err(of_line)?;
+            let log_time_ns = self.time_ns(line, time_ns, &mut words).map_err(of_line)?;
             scan.header.stamp = Time::from_ns(log_time_ns);
             let data = scan.encode(Endian::Little);
             let of_laser = Message { channel: laser, log_time_ns, data, damage: None };
@@ -182,22 +187,22 @@ impl Carmen {
     }
 
     /// When a line was taken that states `time_ns` itself; the logger's time is the second of the words that are left.
-    fn time_ns(&self, line: &Line, time_ns: u64, words: &mut Words) -> u64 {
+    fn time_ns(&self, line: &Line, time_ns: Stated, words: &mut Words) -> Result<u64, Cause> {
         let counted = || self.laser_lines.partition_point(|number| *number <= line.number);
-        match self.timed_by() {
+        let time_ns = match self.timed_by() {
             TimedBy::Scan => time_ns,
-            TimedBy::Logger => words.words.nth(1).and_then(nanoseconds).unwrap_or(time_ns),
+            TimedBy::Logger => words.words.nth(1).and_then(nanoseconds).or(time_ns),
             TimedBy::Count => {
                 let since_ns = (counted() as f64 * NS_PER_S / self.rate_hz).round() as u64;
-                // A time beyond those that a stamp can hold is no beginning.
-                self.first_ns.filter(|ns| *ns < LARGEST_NS).unwrap_or(0).saturating_add(since_ns)
+                Some(self.first_ns.unwrap_or(0).saturating_add(since_ns))
             }
-        }
+        };
+        time_ns.ok_or_else(|| "no stamp can hold its time".to_owned())
     }
 
     /// A scan without its stamp, the pose of the vehicle by its odometry (x, y in metres and yaw in radians), and the
     /// time that the line states.
-    fn laser_line(&self, word: &str, words: &mut Words) -> Result<(LaserScan, Option<[f64; 3]>, u64), Cause> {
+    fn laser_line(&self, word: &str, words: &mut Words) -> Result<(LaserScan, Option<[f64; 3]>, Stated), Cause> {
         let is_plain = word == "FLASER" || word == "RLASER";
         let mut scan = LaserScan::default();
         if !is_plain {
@@ -244,7 +249,7 @@ impl Carmen {
 }
 
 /// The pose, the speeds and the time of a line of odometry.
-fn odometry_line(words: &mut Words) -> Result<([f64; 3], [f64; 2], u64), Cause> {
+fn odometry_line(words: &mut Words) -> Result<([f64; 3], [f64; 2], Stated), Cause> {
     let [x_m, y_m, yaw_rad, speed_mps, turn_radps, _] = words.numbers("pose")?;
     Ok(([x_m, y_m, yaw_rad], [speed_mps, turn_radps], words.time_ns()?))
 }
@@ -298,18 +303,19 @@ impl Words<'_> {
         Ok(())
     }
 
-    /// The time in seconds. Where the line has no end it may be cut short, unless another word follows.
-    fn time_ns(&mut self) -> Result<u64, Cause> {
+    /// The time, in seconds in the line: programs that correct a log write negative times, and times that are almost nothing.
+    /// Where the line has no end it may be cut short, unless another word follows.
+    fn time_ns(&mut self) -> Result<Stated, Cause> {
         let word = self.words.next().ok_or("it ends before its time")?;
         if !self.is_ended && self.words.clone().next().is_none() {
             return Err("it ends in its time".to_owned());
         }
-        let in_range = |ns: u64| Time::from_ns(ns).to_ns();
         let left = self.words.clone().count();
         if left > MOST_BEHIND {
             return Err(format!("{left} words behind its time: a count in it does not fit"));
         }
-        nanoseconds(word).and_then(in_range).ok_or_else(|| format!("`{word:.20}` is no time"))
+        word.parse::<f64>().map_err(|_| format!("`{word:.20}` is no time"))?;
+        Ok(nanoseconds(word).filter(|ns| *ns < LARGEST_NS))
     }
 }
 
@@ -397,6 +403,18 @@ mod tests {
         for wrong in ["1.08499e-42", "1e300", "1e", "-1e3", "nane"] {
             assert_eq!(nanoseconds(wrong), None, "{wrong}");
         }
+    }
+
+    #[test]
+    fn lines_whose_times_are_none_are_counted_and_have_their_own_poses() {
+        let line =
+            |time: &str| format!("ODOM 9 9 0 0 0 0 {time} host 0\nFLASER 2 1 2 0 0 0 5 6 0 {time} host {time}\n");
+        let log: String = ["-0.042", "4.29497e+09", "3.44361e-86", "-1", "0"].map(line).concat();
+        let found = messages(&log);
+        assert_eq!(found.iter().map(|message| message.channel).collect::<Vec<_>>(), [ODOMETRY, 0].repeat(5));
+        assert_eq!(found[9].log_time_ns, 500_000_000, "the fifth of ten a second");
+        let timed = line("1.5") + &line("2.5") + &line("3.5");
+        assert_eq!(messages(&timed).iter().filter(|message| message.log_time_ns == 3_500_000_000).count(), 2);
     }
 
     #[test]

@@ -304,9 +304,39 @@ fn times_that_stand_or_leap_are_not_believed() {
         ("rosbagTimestamp,secs,nsecs", &|i| format!("{}00000000,112,{}00000000", 1120 + i, i), 112_800_000_000),
         ("time", &|i| format!("{}00000000", 1120 + i), 112_800_000_000),
         ("timestamp", &|i| format!("{}", 52_300 + 100 * i), 53_100_000_000),
+        ("header_stamp_sec,header_stamp_nanosec", &|i| format!("{},{i}00000000", 112 + i), 120_800_000_000),
+        ("timestamp", &|i| format!("2025-03-23 15:42:3{i}.5"), 1_742_744_558_500_000_000),
+        ("time", &|i| format!("2025-03-23T17:42:3{i}.5+02:00"), 1_742_744_558_500_000_000),
+        ("time", &|i| format!("13:12:5{i}.25"), 47_578_250_000_000),
     ] {
         assert_eq!(table(names, time), last_ns, "{names}");
     }
+}
+
+#[test]
+fn numbers_of_beams_tell_directions_that_nothing_states() {
+    let table = |beams: usize, range: &dyn Fn(f64) -> f64| {
+        cells(beams, ",", |i| format!("{:.3}", range(i as f64 / beams as f64))) + "\n"
+    };
+    let round = |share: f64| 3.0 + (std::f64::consts::TAU * share).sin();
+    for (beams, range, expected) in [
+        (360, &round as &dyn Fn(f64) -> f64, Some("from 0° to 359°")),
+        (360, &|share| 1.0 + share, None),
+        (1081, &|share| 1.0 + share, Some("from -135° to 135°")),
+        (361, &|share| 1.0 + share, Some("from -90° to 90°")),
+        (361, &round, None),
+        (726, &round, None),
+    ] {
+        let folder = Folder::new();
+        let path = folder.add("table.csv", table(beams, range).repeat(3).as_bytes());
+        let described = describe(&path, &sensor(&[]), &ReadOptions::default());
+        let taken = described.ok().map(|found| found.properties[0].1.clone());
+        let fits = taken.as_ref().zip(expected).is_some_and(|(taken, expected)| taken.contains(expected));
+        assert!(fits || (taken.is_none() && expected.is_none()), "{beams}: {taken:?}");
+    }
+    let of_day: String = (0..3).map(|i| format!("13:12:5{i}.25,{}\n", row(9, ","))).collect();
+    let read = scans(&of_day);
+    assert_eq!((ranges(&read, 0).len(), read.stamps_ns[2]), (9, 47_572_250_000_000), "a first column of times of day");
 }
 
 #[test]

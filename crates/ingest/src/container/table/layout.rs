@@ -119,7 +119,7 @@ impl Time {
 }
 
 /// The cells of a column; NaN for those that are not there.
-fn cells_of(rows: &[Vec<f64>], column: usize) -> impl Iterator<Item = f64> + Clone {
+fn cells_of(rows: &[Vec<f64>], column: usize) -> impl DoubleEndedIterator<Item = f64> + Clone {
     rows.iter().map(move |row| row.get(column).copied().unwrap_or(f64::NAN))
 }
 
@@ -216,10 +216,12 @@ impl Layout {
             |row: &Vec<f64>| kept.iter().map(|column| row.get(*column).copied().unwrap_or(f64::NAN)).collect();
         let numbers: Vec<Vec<f64>> = rows.iter().map(of_kept).collect();
         let pattern = if kept.len() >= LEAST_BARE_RANGES {
-            bare_pattern(&numbers).to_owned()
+            (if is_moment(&cells[kept[0]]) { "time,r*" } else { bare_pattern(&numbers) }).to_owned()
         } else {
             let found = if kept.len() == 2 { Found::AngleTable } else { Found::PointTable };
-            let is_time = |column: usize| numbers.iter().all(|row| EPOCHS.contains(&row[column]));
+            let is_time = |column: usize| {
+                is_moment(&cells[kept[column]]) || numbers.iter().all(|row| EPOCHS.contains(&row[column]))
+            };
             List::guess(&numbers, is_time).ok_or(found)?.join(",")
         };
         let mut names = expanded(&pattern, kept.len()).into_iter();
@@ -240,8 +242,7 @@ impl Layout {
         let (mut seconds, mut nanoseconds, mut stamp, mut recorded) = (None, None, None, None);
         for (column, name) in names.iter().enumerate().filter(|(_, name)| name.number.is_none()) {
             // A unit that is not stated is 0, and found below.
-            let stated = UNITS_NS.iter().find(|(unit, _)| *unit == name.unit).map_or(0.0, |(_, ns)| *ns);
-            let unit_ns = if are_of_rostopic { 1.0 } else { stated };
+            let unit_ns = if are_of_rostopic { 1.0 } else { name.unit_of(&UNITS_NS).unwrap_or(0.0) };
             let time =
                 || Some(Time { column, unit_ns, rest: None }).filter(|_| !of(column).next().is_none_or(f64::is_nan));
             match name.part {
@@ -295,7 +296,7 @@ impl Layout {
             match name.number {
                 Some(_) => groups.entry(&name.stem).or_default().push(column),
                 None if name.stem == "ranges" && cells_of(rows, column).all(f64::is_nan) => {
-                    self.list = self.list.or(Some(column))
+                    self.list = self.list.or(Some(column));
                 }
                 None => {}
             }
@@ -317,9 +318,7 @@ impl Layout {
             && behind.iter().all(|name| name.number.is_some())
             && [0, self.ranges.len()].contains(&behind.len())
             && !self.fields.is_empty();
-        if let Some((_, unit_m)) = UNITS_M.iter().find(|(unit, _)| *unit == names[first].unit) {
-            self.unit_m = *unit_m;
-        }
+        self.unit_m = names[first].unit_of(&UNITS_M).unwrap_or(self.unit_m);
         true
     }
 
@@ -332,16 +331,13 @@ impl Layout {
             ["x", "y", "z"].map(|axis| at(&|name| matches!(name.part, Part::Coordinate) && name.stem == axis));
         let numbers = |column: &usize| rows.iter().all(|row| row.get(*column).is_some_and(|number| number.is_finite()));
         let turn = at(&|name| matches!(name.part, Part::Turn)).or(self.frame).filter(numbers);
-        let stated = |column: usize, units: &[(&str, f64)]| {
-            units.iter().find(|(unit, _)| *unit == names[column].unit).map(|(_, value)| *value)
-        };
         let columns = match (angle.zip(distance), x.zip(y)) {
             (Some((first, second)), _) => {
-                let (unit_rad, unit_m) = (stated(first, &UNITS_RAD), stated(second, &UNITS_M));
+                let (unit_rad, unit_m) = (names[first].unit_of(&UNITS_RAD), names[second].unit_of(&UNITS_M));
                 Columns { first, second, turn, unit_rad, unit_m, ..Columns::default() }
             }
             (None, Some((first, second))) if angle.is_none() && (self.frame.is_none() || self.frame == turn) => {
-                let unit_m = stated(first, &UNITS_M);
+                let unit_m = names[first].unit_of(&UNITS_M);
                 Columns { first, second, third: z, are_points: true, turn, unit_m, ..Columns::default() }
             }
             _ => return false,
@@ -370,14 +366,11 @@ impl Layout {
         let angles = ["yaw", "heading", "theta", "th", "phi", "angle"];
         let alone = if self.of_list.is_some() { &angles[..2] } else { &angles[..] };
         let columns = [at(&["x"], &["x"])?, at(&["y"], &["y"])?, at(alone, &angles)?];
-        let unit = |column: usize, units: &[(&str, f64)]| {
-            units.iter().find(|(unit, _)| *unit == names[column].unit).map(|(_, value)| *value)
-        };
         let [x, y, yaw] = columns;
         let largest = cells_of(rows, yaw).fold(0.0, |largest: f64, angle| largest.max(angle.abs()));
         let by_size = if largest > LARGEST_RAD { PI / 180.0 } else { 1.0 };
-        let metres = |column: usize| unit(column, &UNITS_M).unwrap_or(1.0);
-        Some(Pose { columns, units: [metres(x), metres(y), unit(yaw, &UNITS_RAD).unwrap_or(by_size)] })
+        let metres = |column: usize| names[column].unit_of(&UNITS_M).unwrap_or(1.0);
+        Some(Pose { columns, units: [metres(x), metres(y), names[yaw].unit_of(&UNITS_RAD).unwrap_or(by_size)] })
     }
 
     /// The columns that the scan is made of, without times.
@@ -436,6 +429,11 @@ struct Name {
 }
 
 impl Name {
+    /// What its unit is, of these.
+    fn unit_of(&self, units: &[(&str, f64)]) -> Option<f64> {
+        units.iter().find(|(unit, _)| *unit == self.unit).map(|(_, value)| *value)
+    }
+
     fn of(text: &str) -> Self {
         let mut rest = text.trim().to_lowercase();
         let (mut number, mut unit) = (None, String::new());
@@ -458,7 +456,9 @@ impl Name {
             let stem = if is_of(&UNITS_M) { "range" } else { "angle" };
             unit = std::mem::replace(&mut rest, stem.to_owned());
         }
-        let (parent, stem) = rest.rsplit_once(['.', '/', ':']).unwrap_or(("", &rest));
+        // Scripts join the names of a stamp by `_`, as in `header_stamp_sec`.
+        let of_stamp = || rest.rsplit_once('_').filter(|(of, rest)| of.ends_with("stamp") && rest.contains("sec"));
+        let (parent, stem) = rest.rsplit_once(['.', '/', ':']).or_else(of_stamp).unwrap_or(("", &rest));
         let stem: String = stem.trim_start_matches(|c: char| !c.is_alphanumeric()).replace(' ', "_");
         let known = NAMES.iter().find(|(_, names)| names.contains(&stem.as_str()));
         let is_in_time = parent.is_empty() || parent.contains("stamp") || parent.contains("time");
@@ -525,6 +525,11 @@ fn expanded(pattern: &str, columns: usize) -> Vec<String> {
     numbered.collect()
 }
 
+/// Whether a cell is a date with a time, or a time of day, and no number.
+pub(super) fn is_moment(cell: &str) -> bool {
+    cell.contains(':') && cell.starts_with(|c: char| c.is_ascii_digit())
+}
+
 /// Whether a row begins with the header of a message.
 fn is_echo(cells: &[String]) -> bool {
     let [sec, nanosec, frame, _, ..] = cells else { return false };
@@ -535,7 +540,7 @@ fn is_echo(cells: &[String]) -> bool {
 /// The columns of rows without names, as `csv.columns` gives names: ranges alone, or behind a time, its seconds and nanoseconds, or
 /// the number of the row.
 fn bare_pattern(rows: &[Vec<f64>]) -> &'static str {
-    let column = |column: usize| rows.iter().map(move |row| row.get(column).copied().unwrap_or(f64::NAN));
+    let column = |column: usize| cells_of(rows, column);
     let are_epochs = |of: usize| column(of).all(|number| EPOCHS.contains(&number));
     let rises = |of: usize| column(of).is_sorted() && column(of).next() < column(of).next_back();
     let is_whole = |of: usize| column(of).all(|number| number.fract() == 0.0);

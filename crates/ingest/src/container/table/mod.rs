@@ -14,6 +14,9 @@ use crosscut_messages::{
 };
 use crosscut_sensor::{CsvGeometry, rescale};
 use csv::StringRecord;
+use jiff::Timestamp;
+use jiff::civil::{DateTime, date};
+use jiff::tz::TimeZone;
 
 use self::layout::Layout;
 use self::list::{List, Row, Seen};
@@ -21,6 +24,7 @@ use super::carmen::odometry;
 use super::lines::{Line, LineFormat, next_line};
 use super::resting_file::RestingFile;
 use super::{ChannelId, Message, Topic};
+use crate::order::usual;
 use crate::{Found, IngestError};
 
 /// The only channel; of a list of points, its clouds.
@@ -44,6 +48,12 @@ const NO_NUMBER: [&str; 6] = ["", "na", "n/a", "none", "null", "-"];
 const SPARE_BEAMS: f64 = 2.0;
 const SPARE_SHARE: f64 = 0.05;
 
+/// Numbers of beams, and the bearings of the first and the last of them in degrees.
+const VIEWS_DEG: [(usize, [f64; 2]); 5] =
+    [(360, [0.0, 359.0]), (181, [-90.0, 90.0]), (361, [-90.0, 90.0]), (541, [-135.0, 135.0]), (1081, [-135.0, 135.0])];
+/// The logarithm of the factor by which ranges next to each other usually differ at most.
+const CLOSED: f64 = 0.1;
+
 /// A table whose columns are known.
 pub(super) struct Table {
     settings: CsvGeometry,
@@ -66,17 +76,25 @@ impl Table {
         let mut lines = first_lines(file).map_err(|source| IngestError::cannot_open(path, source))?;
         let between = between(&lines);
         lines.retain(|line| between.as_ref() != Some(&shape(&line.text)));
-        let (table, rows) = Self::of(lines, settings, between)
+        let (mut table, rows) = Self::of(lines, settings, between)
             .map_err(|found| IngestError::NotRecording { path: path.to_owned(), found })?;
         // A scan of which the directions are not stated has none.
         let states_directions = |line: &Line| {
             table.scan(line).is_ok_and(|(scan, _)| scan.angle_min.is_finite() && scan.angle_max.is_finite())
         };
         if table.list.is_some() || table.settings.is_known() || rows.iter().any(states_directions) {
-            Ok(table)
-        } else {
-            Err(IngestError::NoGeometry { path: path.to_owned(), columns: table.layout.taken })
+            return Ok(table);
         }
+        let scans = rows.iter().filter_map(|line| Some(table.scan(line).ok()?.0.ranges)).collect::<Vec<_>>();
+        let Some([first_deg, last_deg]) = usual_view_deg(&scans) else {
+            return Err(IngestError::NoGeometry { path: path.to_owned(), columns: table.layout.taken });
+        };
+        (table.settings.first_rad, table.settings.last_rad) = (first_deg.to_radians(), last_deg.to_radians());
+        table.layout.taken += &format!(
+            "; no directions are stated: taken from {first_deg}° to {last_deg}°, anticlockwise from ahead (csv.first_rad, \
+             csv.last_rad)"
+        );
+        Ok(table)
     }
 
     /// By its first lines that are not blank; with those of them that are rows.
@@ -87,7 +105,9 @@ impl Table {
         let [first, rest @ ..] = &lines[..] else { return Err(Found::Text) };
         let dialect = Dialect::of(&rest.first().unwrap_or(first).text);
         let cells_of = |line: &Line| dialect.cells(&line.text).iter().map(str::to_owned).collect::<Vec<_>>();
-        let is_word = |cell: &String| !cell.is_empty() && dialect.number(cell).is_none();
+        let is_no_number = |cell: &String| !cell.is_empty() && dialect.number(cell).is_none();
+        // Without names, a time of day counts in the first column alone.
+        let is_word = |(at, cell): (usize, &String)| is_no_number(cell) || (at > 0 && layout::is_moment(cell));
         let numbers_of = |line: &Line| dialect.numbers(&dialect.cells(&line.text));
         let next = rest.first().map(numbers_of).unwrap_or_default();
         let header = if layout::are_names(&cells_of(first), &numbers_of(first), &next) {
@@ -112,9 +132,12 @@ impl Table {
         } else if dialect.has_labels {
             Layout::named(labelled(&first.text).map(|(label, _)| label.to_owned()).collect(), &rows)?
         } else {
-            let mut words: Vec<bool> = cells.iter().map(is_word).collect();
+            let mut words: Vec<bool> = cells.iter().enumerate().map(is_word).collect();
             for line in lines.iter().take(SAMPLED_ROWS) {
-                words.iter_mut().zip(cells_of(line)).for_each(|(words, cell)| *words &= is_word(&cell));
+                words
+                    .iter_mut()
+                    .zip(cells_of(line).iter().enumerate())
+                    .for_each(|(words, cell)| *words &= is_word(cell));
             }
             Layout::bare(&cells, &words, &rows)?
         };
@@ -142,7 +165,7 @@ impl Table {
             cells.pop(); // some writers end every row by a separator
         }
         let is_whole = cells.len() == columns;
-        if !is_whole && !(layout.varies && is_ended && cells.len() > layout.ranges[0]) {
+        if !(is_whole || layout.varies && is_ended && cells.len() > layout.ranges[0]) {
             return Err(format!("it has {} columns, the first line has {columns}", cells.len()));
         }
         Ok((cells, is_whole))
@@ -347,6 +370,18 @@ fn first_lines(file: &mut RestingFile) -> io::Result<Vec<Line>> {
     Ok(lines)
 }
 
+/// The bearings of the first and the last beam in degrees, as lidars with this number of beams have them. Where another lidar may
+/// have as many, the last beam of a full turn has to see what is next to the first one, and that of half a turn must not.
+fn usual_view_deg(scans: &[Vec<f32>]) -> Option<[f64; 2]> {
+    let beams = scans.first()?.len();
+    let (_, view_deg) = *VIEWS_DEG.iter().find(|(of, _)| *of == beams)?;
+    let factor = |a: f32, b: f32| Some(f64::from((a / b).ln().abs())).filter(|factor| factor.is_finite());
+    let at_ends = usual(scans.iter().filter_map(|ranges| factor(*ranges.first()?, *ranges.last()?)));
+    let next_to = scans.iter().flat_map(|ranges| ranges.windows(2)).filter_map(|pair| factor(pair[0], pair[1]));
+    let closes = || Some(at_ends? <= CLOSED.max(2.0 * usual(next_to)?));
+    (view_deg[1] == 135.0 || closes() == Some(view_deg[0] == 0.0)).then_some(view_deg)
+}
+
 fn is_comment(line: &str) -> bool {
     line.starts_with(['#', '%'])
 }
@@ -394,6 +429,17 @@ fn words(text: &str) -> impl DoubleEndedIterator<Item = &str> {
 /// The names of a header, which may be a comment. `rostopic echo -p` begins it with `%time`.
 fn names_in(header: &str) -> &str {
     header.trim_start_matches(['#', ' '])
+}
+
+/// Seconds since 1970 of a date with a time, which are UTC if nothing else is stated, or since midnight of a time of day.
+fn seconds_of(cell: &str) -> Option<f64> {
+    if !layout::is_moment(cell) {
+        return None;
+    }
+    let of_day = || Some(date(1970, 1, 1).to_datetime(cell.parse().ok()?));
+    let any = || cell.parse::<DateTime>().ok().or_else(of_day)?.to_zoned(TimeZone::UTC).ok();
+    let moment = cell.parse::<Timestamp>().ok().or_else(|| Some(any()?.timestamp()))?;
+    Some(moment.as_nanosecond() as f64 / NS_PER_S)
 }
 
 /// How the cells of a table are separated, and how its numbers are written.
@@ -445,13 +491,13 @@ impl Dialect {
         row.and_then(Result::ok).unwrap_or_default()
     }
 
-    /// The number in a cell; NaN where it says that there is none. Where commas do not separate cells, they may be
-    /// decimal signs.
+    /// The number in a cell; NaN where it says that there is none; of a date or a time of day its seconds. Where commas do not
+    /// separate cells, they may be decimal signs.
     fn number(self, cell: &str) -> Option<f64> {
         let cell = cell.trim_matches(BRACKETS);
         let is_none = || NO_NUMBER.contains(&cell.to_ascii_lowercase().as_str()).then_some(f64::NAN);
         let with_point = || cell.replace(',', ".").parse().ok().filter(|_| self.separator != Some(b','));
-        cell.parse().ok().or_else(with_point).or_else(is_none)
+        cell.parse().ok().or_else(with_point).or_else(is_none).or_else(|| seconds_of(cell))
     }
 
     /// The numbers of a row; NaN for other cells.
