@@ -40,7 +40,8 @@ fn answer_by(
     frame.partition = Partition { clusters, labels: walls, ..Partition::default() };
     let Frame { revolution, spectrum, partition, junction, notes, .. } = &mut frame;
     let mut reporter = Reporter::new(&params, &Params::defaults(VEHICLE_PARAMS));
-    reporter.report(revolution, verdicts, spectrum, partition, junction, notes).expect("as many labels as returns");
+    let affinity = Affinity { verdicts: verdicts.to_vec(), ..Affinity::default() };
+    reporter.report(revolution, &affinity, spectrum, partition, junction, notes).expect("as many labels as returns");
     (frame.revolution, frame.junction)
 }
 

@@ -1,0 +1,155 @@
+//! `directions`: the dual.
+
+mod reach;
+mod sight;
+mod sphere;
+mod ways;
+
+pub use ways::{Cut, WayFound};
+
+use crosscut_scan::VEHICLE_WIDTH_M;
+use crosscut_stage::{
+    Affinity, AffinityStage, Beam, Dual, Evidence, Kind, Notes, Point, Revolution, StageError, Way,
+};
+
+use sight::{Seen, Sight};
+use sphere::Sphere;
+
+/// Ways are apart at this distance, and go on to that one, as multiples of the room at the sensor.
+const CUT: Cut = Cut { apart: 2.0, on: 2.3, cells: 1 };
+/// Cells of the sphere, and of the horizon alone.
+const CELLS: usize = 2000;
+/// See [`CELLS`].
+const LEVEL_CELLS: usize = 360;
+/// Cells have this many points on average, or more.
+const LEAST_POINTS: usize = 8;
+/// W_ij of two cells beside each other is about exp(-1/4).
+const SIGMA: f64 = 0.25;
+
+/// Directions that are open, and ways on.
+pub const KIND: Kind<dyn AffinityStage> = Kind::affinity(
+    "directions",
+    "exp(-sigma |e_i - e_j|²) between neighbouring directions in which the vehicle gets on: their components are the ways on, in three dimensions",
+    |params| Box::new(Directions { width_m: params.get(VEHICLE_WIDTH_M), sky: Sky::default() }),
+)
+.params(&[VEHICLE_WIDTH_M.shared("vehicle.width_m")])
+.takes_cloud();
+
+struct Directions {
+    width_m: f64,
+    sky: Sky,
+}
+
+/// What is seen around the sensor, kept from cloud to cloud.
+#[derive(Clone, Debug, Default)]
+pub struct Sky {
+    sphere: Sphere,
+    sight: Sight,
+    reach_m: Vec<f64>,
+    /// The radius of the largest ball around the sensor, metres.
+    pub room_m: f64,
+}
+
+impl Sky {
+    /// Looks at a cloud, for a vehicle of this width.
+    pub fn look(&mut self, points_m: &[Point], width_m: f64) {
+        let wanted = CELLS.min(points_m.len() / LEAST_POINTS).max(300);
+        let rings = Sphere::of(wanted);
+        if self.sphere.len() != rings.len() {
+            self.sphere = rings;
+        }
+        self.sight.look(&self.sphere, points_m, 0.5 * width_m);
+        self.sight.hide_unseen(&self.sphere);
+        self.measure(width_m);
+    }
+
+    /// Looks at the returns of a level sweep.
+    fn look_level(&mut self, revolution: &Revolution, width_m: f64) {
+        let sweep = revolution.beams();
+        let beams = sweep.map_or(revolution.len(), |sweep| sweep.len() + sweep.missing);
+        let cells = LEVEL_CELLS.min(beams).max(16);
+        if self.sphere.len() != cells {
+            self.sphere = Sphere::level(cells);
+        }
+        self.sight.look(&self.sphere, &revolution.points_m, 0.5 * width_m);
+        if let Some(sweep) = sweep {
+            let mut looked_at = vec![false; cells];
+            for (beam, bearing_rad) in sweep.beams.iter().zip(&sweep.bearings_rad) {
+                let towards = nalgebra::Vector3::new(bearing_rad.cos(), bearing_rad.sin(), 0.0);
+                looked_at[self.sphere.cell(&towards, 1.0)] |= *beam != Beam::Unknown;
+            }
+            let unseen = self.sight.seen.iter_mut().zip(looked_at).filter(|(_, looked_at)| !looked_at);
+            unseen.filter(|(seen, _)| **seen == Seen::Nothing).for_each(|(seen, _)| *seen = Seen::Unknown);
+        }
+        self.measure(width_m);
+    }
+
+    fn measure(&mut self, width_m: f64) {
+        self.room_m = reach::room_m(&self.sight);
+        reach::reach_m(&self.sphere, &self.sight, 0.5 * width_m, &mut self.reach_m);
+    }
+
+    /// The ways at a cut.
+    pub fn ways(&self, cut: Cut) -> Vec<WayFound> {
+        ways::find(&self.sphere, &self.sight, &self.reach_m, self.room_m, cut)
+    }
+}
+
+impl AffinityStage for Directions {
+    fn weigh(&mut self, revolution: &Revolution, out: &mut Affinity, _: &mut Notes) -> Result<(), StageError> {
+        let Self { width_m, sky } = self;
+        if revolution.cloud_m.is_empty() {
+            sky.look_level(revolution, *width_m);
+        } else {
+            if let Some(index) = revolution.cloud_m.iter().position(|point| !point.iter().all(|x| x.is_finite())) {
+                return Err(StageError::NotFinite { what: "the point", index });
+            }
+            sky.look(&revolution.cloud_m, *width_m);
+        }
+        let ways = sky.ways(CUT);
+        let mut row_of = vec![None; sky.sphere.len()];
+        let mut cells: Vec<(u32, u32)> =
+            (0..).zip(&ways).flat_map(|(of, way)| way.cells.iter().map(move |cell| (*cell, of))).collect();
+        cells.sort_unstable();
+        (0..).zip(&cells).for_each(|(row, (cell, _))| row_of[*cell as usize] = Some(row));
+        let sigma = SIGMA / (sky.sphere.step_rad() * sky.sphere.step_rad());
+        let w = out.weights.make_sparse();
+        for &(cell, of) in &cells {
+            let direction = sky.sphere.directions[cell as usize];
+            let beside = sky.sphere.neighbours[cell as usize].iter().copied();
+            let mut row: Vec<(u32, f64)> = beside
+                .filter_map(|other| {
+                    let row: u32 = row_of[other as usize]?;
+                    let off = (sky.sphere.directions[other as usize].into_inner() - direction.into_inner()).norm_squared();
+                    (cells[row as usize].1 == of).then(|| (row, (-sigma * off).exp()))
+                })
+                .collect();
+            row.extend(row_of[cell as usize].map(|row| (row, 1.0)));
+            row.sort_unstable_by_key(|(row, _)| *row);
+            row.iter().for_each(|(row, weight)| w.push(*row, *weight));
+            w.end_row();
+        }
+        out.dual = Some(Dual {
+            directions: cells.iter().map(|(cell, _)| sky.sphere.directions[*cell as usize].into_inner()).collect(),
+            way_of_row: cells.iter().map(|(_, of)| *of).collect(),
+            ways: ways.iter().map(|way| way.known(CUT, sky.room_m)).collect(),
+            view_rad: sky.sight.view_rad(&sky.sphere),
+            cut_m: CUT.apart * sky.room_m,
+        });
+        Ok(())
+    }
+}
+
+impl WayFound {
+    fn known(&self, cut: Cut, room_m: f64) -> Way {
+        let _ = (cut, room_m);
+        Way {
+            direction: self.direction,
+            clearance_m: self.clearance_m,
+            reach_m: self.reach_m,
+            p: 0.9,
+            evidence: if self.no_return_share > 0.5 { Evidence::NoReturn } else { Evidence::SeenThrough },
+            cut_by_view: self.cut_by_view,
+        }
+    }
+}
