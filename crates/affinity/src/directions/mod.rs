@@ -5,20 +5,20 @@ mod sight;
 mod sphere;
 mod ways;
 
-pub use ways::{Cut, WayFound};
+pub use ways::Found;
 
 use crosscut_scan::VEHICLE_WIDTH_M;
 use crosscut_stage::{
-    Affinity, AffinityStage, Beam, Dual, Evidence, Kind, Notes, Point, Revolution, StageError, Way,
+    Affinity, AffinityStage, Beam, Dual, Kind, Notes, Point, Revolution, StageError,
 };
 
 use sight::{Seen, Sight};
 use sphere::Sphere;
 
-/// Ways are apart at this distance, and go on to that one, as multiples of the room at the sensor.
-const CUT: Cut = Cut { apart: 2.0, on: 2.3, cells: 1 };
 /// Cells of the sphere, and of the horizon alone.
 const CELLS: usize = 2000;
+/// See [`CELLS`].
+const LEAST_CELLS: usize = 400;
 /// See [`CELLS`].
 const LEVEL_CELLS: usize = 360;
 /// Cells have this many points on average, or more.
@@ -44,6 +44,8 @@ struct Directions {
 #[derive(Clone, Debug, Default)]
 pub struct Sky {
     sphere: Sphere,
+    /// The number of cells that `sphere` was made for.
+    made_for: usize,
     sight: Sight,
     reach_m: Vec<f64>,
     /// The radius of the largest ball around the sensor, metres.
@@ -53,10 +55,9 @@ pub struct Sky {
 impl Sky {
     /// Looks at a cloud, for a vehicle of this width.
     pub fn look(&mut self, points_m: &[Point], width_m: f64) {
-        let wanted = CELLS.min(points_m.len() / LEAST_POINTS).max(300);
-        let rings = Sphere::of(wanted);
-        if self.sphere.len() != rings.len() {
-            self.sphere = rings;
+        let wanted = CELLS.min(points_m.len() / LEAST_POINTS).max(LEAST_CELLS).next_multiple_of(100);
+        if self.made_for != wanted {
+            (self.sphere, self.made_for) = (Sphere::of(wanted), wanted);
         }
         self.sight.look(&self.sphere, points_m, 0.5 * width_m);
         self.sight.hide_unseen(&self.sphere);
@@ -68,8 +69,10 @@ impl Sky {
         let sweep = revolution.beams();
         let beams = sweep.map_or(revolution.len(), |sweep| sweep.len() + sweep.missing);
         let cells = LEVEL_CELLS.min(beams).max(16);
-        if self.sphere.len() != cells {
-            self.sphere = Sphere::level(cells);
+        // No sphere of as few cells is wanted for a cloud.
+        let wanted = cells;
+        if self.made_for != wanted {
+            (self.sphere, self.made_for) = (Sphere::level(cells), wanted);
         }
         self.sight.look(&self.sphere, &revolution.points_m, 0.5 * width_m);
         if let Some(sweep) = sweep {
@@ -89,9 +92,12 @@ impl Sky {
         reach::reach_m(&self.sphere, &self.sight, 0.5 * width_m, &mut self.reach_m);
     }
 
-    /// The ways at a cut.
-    pub fn ways(&self, cut: Cut) -> Vec<WayFound> {
-        ways::find(&self.sphere, &self.sight, &self.reach_m, self.room_m, cut)
+    /// The ways that are seen, by their first cell.
+    pub fn ways(&self) -> Vec<Found> {
+        if !self.room_m.is_finite() {
+            return Vec::new();
+        }
+        ways::find(&self.sphere, &self.sight, &self.reach_m, self.room_m)
     }
 }
 
@@ -106,7 +112,7 @@ impl AffinityStage for Directions {
             }
             sky.look(&revolution.cloud_m, *width_m);
         }
-        let ways = sky.ways(CUT);
+        let ways = sky.ways();
         let mut row_of = vec![None; sky.sphere.len()];
         let mut cells: Vec<(u32, u32)> =
             (0..).zip(&ways).flat_map(|(of, way)| way.cells.iter().map(move |cell| (*cell, of))).collect();
@@ -132,24 +138,10 @@ impl AffinityStage for Directions {
         out.dual = Some(Dual {
             directions: cells.iter().map(|(cell, _)| sky.sphere.directions[*cell as usize].into_inner()).collect(),
             way_of_row: cells.iter().map(|(_, of)| *of).collect(),
-            ways: ways.iter().map(|way| way.known(CUT, sky.room_m)).collect(),
+            ways: ways.iter().map(|found| found.way).collect(),
             view_rad: sky.sight.view_rad(&sky.sphere),
-            cut_m: CUT.apart * sky.room_m,
+            cut_m: if sky.room_m.is_finite() { ways::APART * sky.room_m } else { 0.0 },
         });
         Ok(())
-    }
-}
-
-impl WayFound {
-    fn known(&self, cut: Cut, room_m: f64) -> Way {
-        let _ = (cut, room_m);
-        Way {
-            direction: self.direction,
-            clearance_m: self.clearance_m,
-            reach_m: self.reach_m,
-            p: 0.9,
-            evidence: if self.no_return_share > 0.5 { Evidence::NoReturn } else { Evidence::SeenThrough },
-            cut_by_view: self.cut_by_view,
-        }
     }
 }

@@ -1,76 +1,110 @@
-//! Ways on: what is left of the sphere of directions at a distance at which it falls apart and stays apart.
+//! Ways on: the components of the directions in which the vehicle gets as far as they stay apart.
 
+use crosscut_stage::{DisjointSets, Evidence, Way};
 use nalgebra::Vector3;
 
 use super::reach::clear_m;
 use super::sight::{Seen, Sight};
 use super::sphere::Sphere;
-use crosscut_stage::DisjointSets;
 
-/// One way on.
-#[derive(Clone, Debug, Default)]
-pub struct WayFound {
-    /// Towards it; a unit vector.
-    pub direction: Vector3<f64>,
-    /// The diameter of the largest ball that passes, at the distance at which it was found, metres.
-    pub clearance_m: f64,
-    /// How far the vehicle gets straight on, metres; infinite where nothing came back.
-    pub reach_m: f64,
-    /// The distance at which it merges with another way, or with what is too near, metres: the next wall beside it.
-    pub merges_m: f64,
-    /// The share of its cells in which nothing came back.
-    pub no_return_share: f64,
-    /// It goes on beyond what the sensor looks at.
-    pub cut_by_view: bool,
-    /// Its cells, ascending.
+/// Ways are components of the directions in which the vehicle gets as far, in multiples of the room at the sensor.
+pub(super) const APART: f64 = 2.25;
+/// And it gets as far in one of them.
+const ON: f64 = 2.475;
+/// A single cell is not enough.
+const LEAST_CELLS: usize = 2;
+/// Whether a way stays by itself is asked at these distances.
+const RADII: [f64; 5] = [1.75, 2.0, 2.25, 2.5, 2.75];
+/// Of ways that stay at as many of them, the share that is true, on development seeds.
+const TRUE_SHARE: [f64; RADII.len() + 1] = [0.5, 0.6, 0.7, 0.8, 0.9, 0.98];
+
+/// A way, and its cells, ascending.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// What is known of it.
+    pub way: Way,
+    /// The cells of the sphere that it takes.
     pub cells: Vec<u32>,
 }
 
-/// Distances, as multiples of the room.
-#[derive(Clone, Copy, Debug)]
-pub struct Cut {
-    /// A way is a component of the directions in which the vehicle gets as far.
-    pub apart: f64,
-    /// And gets as far in one of them.
-    pub on: f64,
-    /// Cells at least.
-    pub cells: usize,
-}
-
-/// The ways at a cut, by their first cell.
-pub(super) fn find(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64, cut: Cut) -> Vec<WayFound> {
-    let (apart_m, on_m) = (cut.apart * room_m, cut.on * room_m);
-    let is_open = |cell: usize| reach_m[cell] >= apart_m;
-    let mut sets = DisjointSets::default();
-    sets.reset(sphere.len());
-    for cell in (0..sphere.len()).filter(|cell| is_open(*cell)) {
-        for &other in sphere.neighbours[cell].iter().filter(|other| (**other as usize) < cell && is_open(**other as usize)) {
-            sets.join(cell, other as usize);
+/// The ways, by their first cell, of a sight with as much room at the sensor.
+pub(super) fn find(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64) -> Vec<Found> {
+    let (mut sets, mut of_cell) = (DisjointSets::default(), Vec::new());
+    let mut parts = components(sphere, reach_m, APART * room_m, &mut sets, &mut of_cell);
+    let is_on = |cells: &Vec<u32>| cells.iter().any(|cell| reach_m[*cell as usize] >= ON * room_m);
+    parts.retain(|cells| cells.len() >= LEAST_CELLS.min(sphere.rings().len()) && is_on(cells));
+    let mut stays = vec![0; parts.len()];
+    for radius in RADII {
+        let at = components(sphere, reach_m, radius * room_m, &mut sets, &mut of_cell).len();
+        // The component that each way is part of here, or falls into; more than one way in it, or none, does not stay.
+        let of_way: Vec<Vec<usize>> = parts
+            .iter()
+            .map(|cells| {
+                let mut within: Vec<usize> = cells.iter().filter_map(|cell| of_cell[*cell as usize]).collect();
+                within.sort_unstable();
+                within.dedup();
+                within
+            })
+            .collect();
+        let mut taken = vec![0; at];
+        of_way.iter().flatten().for_each(|part| taken[*part] += 1);
+        for (stays, of_way) in stays.iter_mut().zip(&of_way) {
+            *stays += usize::from(of_way.len() == 1 && taken[of_way[0]] == 1);
         }
     }
-    let mut of_root: Vec<(usize, WayFound)> = Vec::new();
+    let known = parts.into_iter().zip(stays);
+    known.map(|(cells, stays)| Found { way: known_of(sphere, sight, reach_m, room_m, &cells, stays), cells }).collect()
+}
+
+/// The components of the cells in which the vehicle gets as far, and of each cell its component.
+fn components(
+    sphere: &Sphere,
+    reach_m: &[f64],
+    apart_m: f64,
+    sets: &mut DisjointSets,
+    of_cell: &mut Vec<Option<usize>>,
+) -> Vec<Vec<u32>> {
+    let is_open = |cell: usize| reach_m[cell] >= apart_m;
+    sets.reset(sphere.len());
     for cell in (0..sphere.len()).filter(|cell| is_open(*cell)) {
-        let root = sets.root(cell);
-        let at = of_root.iter().position(|(known, _)| *known == root).unwrap_or_else(|| {
-            of_root.push((root, WayFound::default()));
-            of_root.len() - 1
-        });
-        of_root[at].1.cells.push(cell as u32);
+        let before = sphere.neighbours[cell].iter().map(|other| *other as usize).take_while(|other| *other < cell);
+        before.filter(|other| is_open(*other)).for_each(|other| sets.join(cell, other));
     }
-    let mut ways: Vec<WayFound> = of_root.into_iter().map(|(_, way)| way).collect();
-    for way in &mut ways {
-        let cells = || way.cells.iter().map(|cell| *cell as usize);
-        way.reach_m = cells().map(|cell| reach_m[cell]).fold(0.0, f64::max);
-        let sum: Vector3<f64> = cells().map(|cell| sphere.directions[cell].into_inner()).sum();
-        way.direction = sum.try_normalize(0.0).unwrap_or(sphere.directions[way.cells[0] as usize].into_inner());
-        let none = cells().filter(|cell| sight.seen[*cell] == Seen::Nothing).count();
-        way.no_return_share = none as f64 / way.cells.len() as f64;
-        way.cut_by_view =
-            cells().any(|cell| sphere.neighbours[cell].iter().any(|other| sight.seen[*other as usize] == Seen::Unknown));
-        let at_m = 0.5 * (apart_m + on_m);
-        let rooms_m = cells().map(|cell| clear_m(sight, &sphere.directions[cell].scale(at_m)));
-        way.clearance_m = 2.0 * rooms_m.fold(0.0, f64::max);
+    of_cell.clear();
+    of_cell.resize(sphere.len(), None);
+    let mut parts: Vec<Vec<u32>> = Vec::new();
+    for cell in (0..sphere.len()).filter(|cell| is_open(*cell)) {
+        // The root of a set is its smallest member.
+        let part = *of_cell[sets.root(cell)].get_or_insert(parts.len());
+        of_cell[cell] = Some(part);
+        if part == parts.len() {
+            parts.push(Vec::new());
+        }
+        parts[part].push(cell as u32);
     }
-    ways.retain(|way| way.reach_m >= on_m && way.cells.len() >= cut.cells);
-    ways
+    parts
+}
+
+fn known_of(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64, cells: &[u32], stays: usize) -> Way {
+    let cells = || cells.iter().map(|cell| *cell as usize);
+    let at_m = 0.5 * (APART + ON) * room_m;
+    // Infinite where nothing is seen at all.
+    let clear_m = |cell: usize| clear_m(sight, &sphere.directions[cell].scale(at_m)).min(at_m);
+    let towards = cells().map(|cell| (clear_m(cell), sphere.directions[cell].into_inner()));
+    let (mut largest_m, mut sum) = (0.0_f64, Vector3::zeros());
+    for (clear_m, direction) in towards {
+        largest_m = largest_m.max(clear_m);
+        sum += direction * (clear_m * clear_m);
+    }
+    let nothing = cells().filter(|cell| sight.seen[*cell] == Seen::Nothing).count();
+    let is_beside_unknown =
+        |cell: usize| sphere.neighbours[cell].iter().any(|other| sight.seen[*other as usize] == Seen::Unknown);
+    Way {
+        direction: sum.try_normalize(0.0).unwrap_or_else(Vector3::x),
+        clearance_m: 2.0 * largest_m,
+        reach_m: cells().map(|cell| reach_m[cell]).fold(0.0, f64::max),
+        p: TRUE_SHARE[stays],
+        evidence: if 2 * nothing > cells().count() { Evidence::NoReturn } else { Evidence::SeenThrough },
+        cut_by_view: cells().any(is_beside_unknown),
+    }
 }
