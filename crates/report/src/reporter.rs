@@ -3,8 +3,8 @@
 use crosscut_scan::{ISLAND_M, VEHICLE_WIDTH_M};
 use crosscut_stage::NoteCode::{N080, N081, N082};
 use crosscut_stage::{
-    Affinity, Count, Junction, Notes, Number, ParamSpec, Params, Partition, Revolution, Spectrum, StageError, Sweep, Verdict,
-    Word,
+    Affinity, Count, Junction, Notes, Number, ParamSpec, Params, Partition, Revolution, Spectrum, StageError, Sweep,
+    Verdict, Word,
 };
 
 use crate::confidence::Grounds;

@@ -165,7 +165,13 @@ impl Figures {
     }
 }
 
-fn measure(lidar: Lidar, tilt_deg: f64, all: &[(Mesh, Vec<Place>)], level: &mut Detector, seed: u64) -> anyhow::Result<Figures> {
+fn measure(
+    lidar: Lidar,
+    tilt_deg: f64,
+    all: &[(Mesh, Vec<Place>)],
+    level: &mut Detector,
+    seed: u64,
+) -> anyhow::Result<Figures> {
     let (mut figures, mut sky, mut random) = (Figures::default(), Sky::default(), Random::new(seed));
     let [low_deg, high_deg] = lidar.view_deg();
     for (mesh, places) in all {
@@ -176,7 +182,8 @@ fn measure(lidar: Lidar, tilt_deg: f64, all: &[(Mesh, Vec<Place>)], level: &mut 
             let seen: Vec<TrueWay> =
                 ways.iter().map(|way| TrueWay { direction: turned.inverse() * way.direction, ..*way }).collect();
             let elevation_deg = |way: &TrueWay| way.direction.z.asin().to_degrees();
-            let at_edge = |way: &TrueWay| [low_deg, high_deg].iter().any(|edge| (elevation_deg(way) - edge).abs() < EDGE_DEG);
+            let at_edge =
+                |way: &TrueWay| [low_deg, high_deg].iter().any(|edge| (elevation_deg(way) - edge).abs() < EDGE_DEG);
             if lidar != Lidar::Full && seen.iter().any(at_edge) {
                 continue;
             }
@@ -187,11 +194,15 @@ fn measure(lidar: Lidar, tilt_deg: f64, all: &[(Mesh, Vec<Place>)], level: &mut 
             sky.look(&cloud_m, BALL_M);
             let found = of_ways(sky.ways().iter().map(|found| &found.way));
             figures.ms += started.elapsed().as_secs_f64() * 1e3;
-            let message = Cloud { points_m: cloud_m.iter().map(|point| [point.x, point.y, point.z]).collect(), ..Cloud::default() };
+            let message = Cloud {
+                points_m: cloud_m.iter().map(|point| [point.x, point.y, point.z]).collect(),
+                ..Cloud::default()
+            };
             let frame =
                 level.detect_with(|sensor, frame| sensor.cloud(&message, &mut frame.revolution, &mut frame.notes))?;
             let openings = frame.junction.openings.iter();
-            let sliced = openings.map(|o| (Vector3::new(o.bearing_rad.cos(), o.bearing_rad.sin(), 0.0), o.width_m, 0.0));
+            let sliced =
+                openings.map(|o| (Vector3::new(o.bearing_rad.cos(), o.bearing_rad.sin(), 0.0), o.width_m, 0.0));
             let answers = [sliced.collect(), at_one_radius(&cloud_m), found];
             figures.places += 1;
             for (at, answer) in answers.iter().enumerate() {
@@ -206,9 +217,12 @@ fn measure(lidar: Lidar, tilt_deg: f64, all: &[(Mesh, Vec<Place>)], level: &mut 
             if least >= 0.9 {
                 figures.sure = [figures.sure[0] + usize::from(count), figures.sure[1] + 1];
             }
-            for (way, of_mesh) in seen.iter().zip(ways).filter(|(way, _)| (low_deg..=high_deg).contains(&elevation_deg(way))) {
+            for (way, of_mesh) in
+                seen.iter().zip(ways).filter(|(way, _)| (low_deg..=high_deg).contains(&elevation_deg(way)))
+            {
                 if elevation_deg(of_mesh).abs() > SHAFT_DEG {
-                    let is_found = answers[2].iter().any(|(d, ..)| d.dot(&way.direction) > MOST_OFF_DEG.to_radians().cos());
+                    let is_found =
+                        answers[2].iter().any(|(d, ..)| d.dot(&way.direction) > MOST_OFF_DEG.to_radians().cos());
                     figures.shafts = [figures.shafts[0] + usize::from(is_found), figures.shafts[1] + 1];
                 }
             }
@@ -232,14 +246,18 @@ fn main() -> anyhow::Result<()> {
     match set.as_str() {
         "own" => (0..count.div_ceil(5) as u64).for_each(|world| add(Network::new(1000 * seed + world).mesh(), 5, 0)),
         "mesh" => args[3..].iter().try_for_each(|path| anyhow::Ok(add(Mesh::read(Path::new(path), 1.0)?, count, 0)))?,
-        "tiles" => args[3..].iter().try_for_each(|path| anyhow::Ok(add(Mesh::read(Path::new(path), 0.3048)?, count, 40)))?,
+        "tiles" => {
+            args[3..].iter().try_for_each(|path| anyhow::Ok(add(Mesh::read(Path::new(path), 0.3048)?, count, 40)))?
+        }
         _ => anyhow::bail!(usage),
     }
     let found: usize = all.iter().map(|(_, places)| places.len()).sum();
     let mut by_ways = [0; 6];
     all.iter().flat_map(|(_, places)| places).for_each(|place| by_ways[place.ways.len().min(5)] += 1);
     println!("{found} clear places, {unclear} left out; with 1, 2, 3, 4, more ways: {:?}\n", &by_ways[1..]);
-    println!("| lidar | places | level slice | one radius | directions | also direction, width | sure, right | shafts | ms |");
+    println!(
+        "| lidar | places | level slice | one radius | directions | also direction, width | sure, right | shafts | ms |"
+    );
     println!("|---|---|---|---|---|---|---|---|---|");
     let mut level = Settings::new(Preset::Default).build()?;
     let mut by_p = std::collections::BTreeMap::<u64, [usize; 2]>::new();

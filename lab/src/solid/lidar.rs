@@ -50,8 +50,11 @@ impl Lidar {
             Vector3::new(out * bearing_rad.cos(), out * bearing_rad.sin(), up)
         };
         let grid = |rings: usize, columns: usize, inset: f64| {
-            let ring = move |ring: usize| low + (high - low) * (ring as f64 + inset) / (rings as f64 - 1.0 + 2.0 * inset);
-            (0..rings * columns).map(|at| towards((at % columns) as f64 / columns as f64 * TAU - PI, ring(at / columns))).collect()
+            let ring =
+                move |ring: usize| low + (high - low) * (ring as f64 + inset) / (rings as f64 - 1.0 + 2.0 * inset);
+            (0..rings * columns)
+                .map(|at| towards((at % columns) as f64 / columns as f64 * TAU - PI, ring(at / columns)))
+                .collect()
         };
         match self {
             Self::Full => grid(128, 512, 0.5),
@@ -59,14 +62,24 @@ impl Lidar {
             Self::Vlp16 => grid(16, 1800, 0.0),
             Self::Sparse => {
                 let share = |at: usize, step: f64| (at as f64 * step).fract();
-                (0..20_000).map(|at| towards(share(at, 0.754_877_666) * TAU - PI, low + (high - low) * share(at, 0.569_840_29))).collect()
+                (0..20_000)
+                    .map(|at| {
+                        towards(share(at, 0.754_877_666) * TAU - PI, low + (high - low) * share(at, 0.569_840_29))
+                    })
+                    .collect()
             }
         }
     }
 
     /// What it sees from a place: points in its own frame, turned by `turned` from the mesh's, with all that lidars do.
     /// Also the share of beams that leave the mesh.
-    pub fn cloud_m(self, mesh: &Mesh, place_m: &Point3<f64>, turned: &Rotation3<f64>, random: &mut Random) -> Vec<Point3<f64>> {
+    pub fn cloud_m(
+        self,
+        mesh: &Mesh,
+        place_m: &Point3<f64>,
+        turned: &Rotation3<f64>,
+        random: &mut Random,
+    ) -> Vec<Point3<f64>> {
         let mut points_m = Vec::new();
         let own = towards_own(random);
         for beam in self.beams() {

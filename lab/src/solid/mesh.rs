@@ -43,8 +43,7 @@ pub struct Mesh {
 
 impl Mesh {
     pub fn new(corners_m: impl IntoIterator<Item = [Corner; 3]>) -> Self {
-        let mut triangles: Vec<_> =
-            corners_m.into_iter().map(|corners_m| Triangle { corners_m, node: 0 }).collect();
+        let mut triangles: Vec<_> = corners_m.into_iter().map(|corners_m| Triangle { corners_m, node: 0 }).collect();
         let tree = Bvh::build(&mut triangles);
         Self { triangles, tree }
     }
@@ -70,10 +69,11 @@ impl Mesh {
     /// How far the first triangle in a direction is, metres; infinite if there is none.
     pub fn range_m(&self, from_m: &Corner, towards: &Vector3<f64>) -> f64 {
         let ray = Ray::new(*from_m, *towards);
-        let met = self.tree.traverse_iterator(&ray, &self.triangles).map(|Triangle { corners_m: [a, b, c], .. }| {
-            // The crate sees front sides alone; a mesh need not agree which side that is.
-            ray.intersects_triangle(a, b, c).distance.min(ray.intersects_triangle(a, c, b).distance)
-        });
+        let met =
+            self.tree.traverse_iterator(&ray, &self.triangles).map(|Triangle { corners_m: [a, b, c], .. }| {
+                // The crate sees front sides alone; a mesh need not agree which side that is.
+                ray.intersects_triangle(a, b, c).distance.min(ray.intersects_triangle(a, c, b).distance)
+            });
         met.fold(f64::INFINITY, f64::min)
     }
 }

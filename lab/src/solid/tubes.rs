@@ -84,13 +84,22 @@ impl Network {
             let bearing_rad = random.between(-3.14, 3.14);
             let half = Vector3::new(bearing_rad.cos(), bearing_rad.sin(), 0.0) * 12.0;
             let middle = Point3::new(0.0, 0.0, height_m);
-            tubes.push(Tube { from_m: middle - half, to_m: middle + half, radius_m: usual_m, floor_m: Some(0.8 * usual_m) });
+            tubes.push(Tube {
+                from_m: middle - half,
+                to_m: middle + half,
+                radius_m: usual_m,
+                floor_m: Some(0.8 * usual_m),
+            });
         }
         let rough_m = usual_m * random.between(0.03, 0.12);
         let waves = (0..24).map(|i| {
             let length_m = 0.7 * 1.15_f64.powi(i);
             let turned = Rotation3::from_euler_angles(random.between(0.0, 6.28), random.between(0.0, 6.28), 0.0);
-            (turned * Vector3::x() * (std::f64::consts::TAU / length_m), random.between(0.0, 6.28), rough_m * (length_m / 4.0).min(1.0))
+            (
+                turned * Vector3::x() * (std::f64::consts::TAU / length_m),
+                random.between(0.0, 6.28),
+                rough_m * (length_m / 4.0).min(1.0),
+            )
         });
         Self { waves: waves.collect(), tubes, grid_m: 0.2 }
     }
@@ -100,7 +109,12 @@ impl Network {
         if clear_m.abs() > 1.5 {
             return clear_m;
         }
-        clear_m + self.waves.iter().map(|(wave, phase, high_m)| high_m * f64::sin(wave.dot(&at_m.coords) + phase)).sum::<f64>()
+        clear_m
+            + self
+                .waves
+                .iter()
+                .map(|(wave, phase, high_m)| high_m * f64::sin(wave.dot(&at_m.coords) + phase))
+                .sum::<f64>()
     }
 
     /// Its rock.

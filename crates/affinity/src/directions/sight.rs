@@ -66,7 +66,9 @@ impl Sight {
             let (count, hidden) = (of_cell.len(), hidden[cell] as usize);
             seen.push(if count > hidden {
                 let (_, &mut (_, number), _) = of_cell
-                    .select_nth_unstable_by((NEARER_SHARE * count as f64) as usize, |a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+                    .select_nth_unstable_by((NEARER_SHARE * count as f64) as usize, |a, b| {
+                        a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))
+                    });
                 Seen::Return(points_m[number as usize].coords)
             } else if hidden > 0 {
                 Seen::Unknown
@@ -89,7 +91,9 @@ impl Sight {
 
     /// The lowest and the highest elevation at which something is known, radians; 0 of nothing.
     pub(super) fn view_rad(&self, sphere: &Sphere) -> [f64; 2] {
-        let known = (0..).zip(sphere.rings()).filter(|(_, ring)| self.seen[(*ring).clone()].iter().any(|seen| *seen != Seen::Unknown));
+        let known = (0..)
+            .zip(sphere.rings())
+            .filter(|(_, ring)| self.seen[(*ring).clone()].iter().any(|seen| *seen != Seen::Unknown));
         let rings: Vec<usize> = known.map(|(ring, _)| ring).collect();
         let (Some(first), Some(last)) = (rings.first(), rings.last()) else { return [0.0; 2] };
         sphere.elevations_rad(*first, *last)

@@ -5,6 +5,9 @@ use std::ops::Range;
 
 use nalgebra::{Unit, Vector3};
 
+/// Steps of the table of heights, from 0 to 1.
+const HEIGHTS: f64 = 2048.0;
+
 /// Rings of cells around the vertical axis. All cells are as high as the rings, and about as wide.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sphere {
@@ -14,6 +17,10 @@ pub(super) struct Sphere {
     step_rad: f64,
     /// Elevation at which the lowest ring begins.
     lowest_rad: f64,
+    /// The sine of the elevation at which each ring ends.
+    ends: Vec<f64>,
+    /// Of heights on the unit sphere, in equal steps from -1 to 1: the ring there.
+    of_height: Vec<u16>,
     /// Of each cell: the direction of its middle.
     pub(super) directions: Vec<Unit<Vector3<f64>>>,
     /// Of each cell: those that it touches, also at a corner, ascending.
@@ -44,6 +51,9 @@ impl Sphere {
             let bearings_rad = (0..count).map(|column| (column as f64 + 0.5) / count as f64 * TAU - PI);
             sphere.directions.extend(bearings_rad.map(|bearing_rad| direction(bearing_rad, elevation_rad)));
         }
+        sphere.ends = (1..=rings).map(|ring| (lowest_rad + ring as f64 * step_rad).sin()).collect();
+        let ring_at = |height: f64| sphere.ends.partition_point(|end| *end <= height).min(rings - 1) as u16;
+        sphere.of_height = (0..=2 * HEIGHTS as usize).map(|at| ring_at(at as f64 / HEIGHTS - 1.0)).collect();
         sphere.neighbours = (0..sphere.directions.len()).map(|cell| sphere.around(cell)).collect();
         sphere
     }
@@ -73,9 +83,13 @@ impl Sphere {
 
     /// The cell in which a point lies that is `range_m` from the sensor.
     pub(super) fn cell(&self, point_m: &Vector3<f64>, range_m: f64) -> usize {
-        let elevation_rad = (point_m.z / range_m).clamp(-1.0, 1.0).asin();
-        let ring = ((elevation_rad - self.lowest_rad) / self.step_rad).max(0.0) as usize;
-        let ring = &self.rings[ring.min(self.rings.len() - 1)];
+        // A table in place of an arc sine for each point.
+        let height = (point_m.z / range_m).clamp(-1.0, 1.0);
+        let mut ring = usize::from(self.of_height[((height + 1.0) * HEIGHTS) as usize]);
+        while height >= self.ends[ring] && ring + 1 < self.rings.len() {
+            ring += 1;
+        }
+        let ring = &self.rings[ring];
         let turn = point_m.y.atan2(point_m.x) / TAU + 0.5;
         ring.start + ((turn * ring.len() as f64) as usize).min(ring.len() - 1)
     }
@@ -118,7 +132,8 @@ impl Sphere {
             let slack = if ring.contains(&cell) { 1e-6 } else { -1e-6 };
             let from = (of_turn(column as f64) * count - slack).floor() as isize;
             let to = (of_turn(column as f64 + 1.0) * count + slack).ceil() as isize;
-            found.extend((from..to).map(|column| (ring.start + column.rem_euclid(ring.len() as isize) as usize) as u32));
+            found
+                .extend((from..to).map(|column| (ring.start + column.rem_euclid(ring.len() as isize) as usize) as u32));
         }
         found.sort_unstable();
         found.dedup();

@@ -7,7 +7,8 @@ use crate::scenes::{Segment, scan, tee, tunnel};
 use crosscut_report::openings::{OpeningRule, find};
 use crosscut_report::{PARAMS, Reporter, VEHICLE_PARAMS, WallRing};
 use crosscut_stage::{
-    Affinity, Beam, Evidence, Junction, Known, KnownGaps, Notes, Opening, Params, Partition, Revolution, Spectrum, Verdict,
+    Affinity, Beam, Evidence, Junction, Known, KnownGaps, Notes, Opening, Params, Partition, Revolution, Spectrum,
+    Verdict,
 };
 
 fn openings(segments: &[(Segment, u32)]) -> Vec<Opening> {
