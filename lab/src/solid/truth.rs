@@ -214,3 +214,29 @@ impl Space {
         found
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_long_room_has_two_ways_on_and_a_cube_none() {
+        for (half_m, wanted) in [([20.0, 2.0, 2.0], 2), ([2.0, 2.0, 2.0], 0)] {
+            let corner = |at: usize| {
+                Point3::from([0, 1, 2].map(|axis| half_m[axis] * if at >> axis & 1 == 1 { 1.0 } else { -1.0 }))
+            };
+            let sides = [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
+            let halves = sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+            let mesh = Mesh::new(halves.map(|of| of.map(corner)));
+            assert!((mesh.range_m(&Point3::origin(), &Vector3::y()) - 2.0).abs() < 1e-9);
+            let space = Space::new(&mesh, 0.2);
+            let place_m = Point3::new(0.05, 0.05, 0.05);
+            let room_m = space.room_m(&place_m);
+            assert!((room_m - 2.0).abs() < 0.3, "{room_m}");
+            for ways in space.ways(&place_m, 0.3, &RADII.map(|radii| radii * room_m)) {
+                assert_eq!(ways.len(), wanted);
+                assert!(ways.iter().all(|way| way.direction.x.abs() > 0.99 && (way.clearance_m - 4.0).abs() < 0.5));
+            }
+        }
+    }
+}
