@@ -3,7 +3,8 @@
 //! In the plane, n gaps in a ring of returns leave n walls. On the sphere of directions n gaps leave one surface with n holes:
 //! what is hit cannot count ways on, and what is open can, in every dimension. So the rows of W are directions.
 //!
-//! 1. **Cells.** The sphere is cut into cells of nearly one size, at most 2,000 and about 8 points each or more. A cell shows the
+//! 1. **Cells.** The sphere is cut into cells of nearly one size, at most 2,000, of about 8 points each or more, and none so low
+//!    that it lies between two rings of the lidar. A cell shows the
 //!    return that a quarter of its returns are nearer than, so that dust does not count. Returns within half the vehicle's
 //!    width are of the vehicle. A ring of cells at one elevation with returns in fewer than half of them is not looked at;
 //!    elsewhere a cell without a return is open.
@@ -13,8 +14,8 @@
 //! 4. **Cut.** Nodes are the cells with F(e) >= 2.25 R; W_ij = exp(-σ |e_i - e_j|²) between cells that touch, 0 otherwise, W_ii =
 //!    1. The components are the ways, if one of their cells has F(e) >= 2.475 R. Rock that reaches between two ways nearer than
 //!    2.25 R tells them apart, and a recess that is not as deep is none.
-//! 5. **What stays.** p of a way is the share of true ones, on development seeds, among those that stay by themselves at as many of
-//!    five distances from 1.75 to 2.75 R.
+//! 5. **What stays.** p of a way is the share of right answers, on development seeds, whose least way stays by itself at as many of
+//!    five distances from 1.75 to 2.75 R; less where the view cuts it.
 //!
 //! The direction of a way is the mean of its cells, by the square of the room around the point 2.36 R away on each; its
 //! clearance is twice the largest of these rooms. Of a scan without a cloud, the cells are those of the horizon, 1° wide.
@@ -72,12 +73,18 @@ pub struct Sky {
 impl Sky {
     /// Looks at a cloud, for a vehicle of this width.
     pub fn look(&mut self, points_m: &[Point], width_m: f64) {
-        let wanted = CELLS.min(points_m.len() / LEAST_POINTS).max(LEAST_CELLS).next_multiple_of(100);
-        if self.made_for != wanted {
-            (self.sphere, self.made_for) = (Sphere::of(wanted), wanted);
+        let mut wanted = CELLS.min(points_m.len() / LEAST_POINTS).max(LEAST_CELLS).next_multiple_of(100);
+        loop {
+            if self.made_for != wanted {
+                (self.sphere, self.made_for) = (Sphere::of(wanted), wanted);
+            }
+            self.sight.look(&self.sphere, points_m, 0.5 * width_m);
+            // Between the rings of a lidar there is nothing to see.
+            if !self.sight.hide_unseen(&self.sphere) || wanted <= LEAST_CELLS {
+                break;
+            }
+            wanted = (wanted * 2 / 3).max(LEAST_CELLS).next_multiple_of(100);
         }
-        self.sight.look(&self.sphere, points_m, 0.5 * width_m);
-        self.sight.hide_unseen(&self.sphere);
         self.measure(width_m);
     }
 
@@ -105,7 +112,7 @@ impl Sky {
     }
 
     fn measure(&mut self, width_m: f64) {
-        self.room_m = reach::room_m(&self.sight);
+        self.room_m = reach::room_m(&self.sphere, &self.sight);
         reach::reach_m(&self.sphere, &self.sight, 0.5 * width_m, &mut self.reach_m);
     }
 

@@ -38,8 +38,8 @@ pub(super) fn clear_m(sight: &Sight, place_m: &Vector3<f64>) -> f64 {
     squared_m2.fold(f64::INFINITY, f64::min).sqrt()
 }
 
-/// The radius of the largest ball around the sensor: that about it, or about a place inside it where there is more room.
-pub(super) fn room_m(sight: &Sight) -> f64 {
+/// The radius of the largest ball around the sensor: that about it, or about a place inside it, in view, with more room.
+pub(super) fn room_m(sphere: &Sphere, sight: &Sight) -> f64 {
     let here_m = clear_m(sight, &Vector3::zeros());
     if !here_m.is_finite() {
         return here_m;
@@ -48,7 +48,9 @@ pub(super) fn room_m(sight: &Sight) -> f64 {
     while step_m > 0.05 * here_m {
         let tried = MOVES.map(|[x, y, z]| {
             let moved_m = place_m + Unit::new_normalize(Vector3::new(x, y, z)).scale(step_m);
-            let inside = moved_m.norm() <= here_m;
+            let range_m = moved_m.norm();
+            let inside =
+                range_m <= here_m && (range_m == 0.0 || sight.seen[sphere.cell(&moved_m, range_m)] != Seen::Unknown);
             (if inside { clear_m(sight, &moved_m) } else { 0.0 }, moved_m)
         });
         let Some((room_m, moved_m)) = tried.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)) else { break };

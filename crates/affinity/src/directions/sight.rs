@@ -78,15 +78,21 @@ impl Sight {
         }
     }
 
-    /// Makes cells unknown that the sensor does not look at: rings with returns in few cells.
-    pub(super) fn hide_unseen(&mut self, sphere: &Sphere) {
+    /// Makes cells unknown that the sensor does not look at: rings with returns in few cells. Says whether such a ring lies
+    /// between others.
+    pub(super) fn hide_unseen(&mut self, sphere: &Sphere) -> bool {
+        let (mut changes, mut was_seen) = (0, false);
         for ring in sphere.rings() {
             let of_ring = &mut self.seen[ring.clone()];
             let looked_at = of_ring.iter().filter(|seen| **seen != Seen::Nothing).count();
-            if (looked_at as f64) < LOOKED_AT_SHARE * ring.len() as f64 {
+            let is_seen = looked_at as f64 >= LOOKED_AT_SHARE * ring.len() as f64;
+            changes += usize::from(is_seen && !was_seen);
+            was_seen = is_seen;
+            if !is_seen {
                 of_ring.iter_mut().filter(|seen| **seen == Seen::Nothing).for_each(|seen| *seen = Seen::Unknown);
             }
         }
+        changes > 1
     }
 
     /// The lowest and the highest elevation at which something is known, radians; 0 of nothing.

@@ -15,8 +15,10 @@ const ON: f64 = 2.475;
 const LEAST_CELLS: usize = 2;
 /// Whether a way stays by itself is asked at these distances.
 const RADII: [f64; 5] = [1.75, 2.0, 2.25, 2.5, 2.75];
-/// Of ways that stay at as many of them, the share that is true, on development seeds.
-const TRUE_SHARE: [f64; RADII.len() + 1] = [0.5, 0.6, 0.7, 0.8, 0.9, 0.98];
+/// Of answers whose least way stays at as many of them, the share that is right, on development seeds.
+const RIGHT_SHARE: [f64; RADII.len() + 1] = [0.4, 0.4, 0.5, 0.6, 0.85, 0.98];
+/// And as much of it where the view cuts a way.
+const CUT_SHARE: f64 = 0.87;
 
 /// A way, and its cells, ascending.
 #[derive(Clone, Debug)]
@@ -99,12 +101,13 @@ fn known_of(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64, cells:
     let nothing = cells().filter(|cell| sight.seen[*cell] == Seen::Nothing).count();
     let is_beside_unknown =
         |cell: usize| sphere.neighbours[cell].iter().any(|other| sight.seen[*other as usize] == Seen::Unknown);
+    let is_cut = cells().any(is_beside_unknown);
     Way {
         direction: sum.try_normalize(0.0).unwrap_or_else(Vector3::x),
         clearance_m: 2.0 * largest_m,
         reach_m: cells().map(|cell| reach_m[cell]).fold(0.0, f64::max),
-        p: TRUE_SHARE[stays],
+        p: RIGHT_SHARE[stays] * if is_cut { CUT_SHARE } else { 1.0 },
         evidence: if 2 * nothing > cells().count() { Evidence::NoReturn } else { Evidence::SeenThrough },
-        cut_by_view: cells().any(is_beside_unknown),
+        cut_by_view: is_cut,
     }
 }

@@ -3,7 +3,7 @@
 use crate::scenes::{Segment, scan, tee, tunnel};
 use crosscut_report::confidence::Grounds;
 use crosscut_report::{PARAMS, Reporter, VEHICLE_PARAMS};
-use crosscut_stage::{Beam, Frame, Junction, Params, Partition, Revolution, Verdict};
+use crosscut_stage::{Affinity, Beam, Frame, Junction, Params, Partition, Revolution, Verdict};
 
 const VEHICLE_WIDTH_M: f64 = 0.6;
 
