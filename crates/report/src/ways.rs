@@ -42,7 +42,7 @@ pub(crate) fn level(
     vehicle_width_m: f64,
 ) -> (Vec<Verdict>, Partition) {
     let (n, view) = (revolution.len(), sweep.map(Sweep::view));
-    let mut partition = Partition { labels: vec![Some(0); n], ..Partition::default() };
+    let mut partition = Partition { clusters: n.min(1), labels: vec![Some(0); n], ..Partition::default() };
     let Some((sweep, view)) = sweep.zip(view) else { return (Vec::new(), partition) };
     let returns: Vec<u32> = sweep
         .anticlockwise(view)
@@ -70,6 +70,16 @@ pub(crate) fn level(
         let wraps = view.full_turn && before == starts.len();
         partition.labels[*number as usize] = Some(if wraps { 0 } else { before as u32 });
     }
+    // Clusters are numbered by their first return, whatever the order of the beams.
+    let mut numbers: Vec<u32> = Vec::new();
+    for label in partition.labels.iter_mut().flatten() {
+        let number = numbers.iter().position(|known| known == label).unwrap_or_else(|| {
+            numbers.push(*label);
+            numbers.len() - 1
+        });
+        *label = number as u32;
+    }
+    partition.clusters = numbers.len();
     let verdicts = gaps.iter().map(|(at, way)| Verdict {
         returns: [*at, at + 1].map(|at| returns[at % returns.len()]),
         is_opening: true,
