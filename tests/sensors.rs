@@ -172,6 +172,24 @@ fn each_cloud_of_a_rotating_lidar_is_a_revolution() {
 }
 
 #[test]
+fn the_ways_of_a_cloud_stand_in_the_results_where_they_are_asked_for() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let flight = file(folder.path(), "clouds.mcap", &clouds());
+    let (ran, lines) = results_of(&flight, &["--quiet", "--preset", "3d"]);
+    ran.expect_code(0);
+    assert_eq!((column(&lines, "ways_flyer"), column(&lines, "ways_ground")), (vec![2; 5], vec![2; 5]));
+    assert_eq!((column(&lines, "k"), column(&lines, "junctions")), (vec![2; 5], vec![2; 5]));
+    for line in &lines {
+        let ways = line["ways"].as_array().expect("a list");
+        assert!(ways.iter().all(|way| way["kind"] == "level" && way["cut_by_view"] == true), "{ways:?}");
+        assert_eq!(line["openings"].as_array().map(Vec::len), Some(2), "level ways are openings");
+        let [low_rad, high_rad] = [0, 1].map(|at| line["ways_view_rad"][at].as_f64().expect("a number"));
+        assert!(low_rad > -0.5 && high_rad < 0.5, "the lidar sees no shaft, and says so: {low_rad} to {high_rad}");
+    }
+    assert!(results_of(&flight, &["--quiet"]).1.iter().all(|line| line.get("ways").is_none()));
+}
+
+#[test]
 fn info_finds_a_frame_that_begins_late() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let scan = |i: u64| {

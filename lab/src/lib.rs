@@ -1,6 +1,7 @@
 //! What the programs that make `docs/` share.
 
 mod contradictions;
+pub mod solid;
 
 pub use contradictions::{Contradiction, contradictions};
 use crosscut_evaluate::tables::Table;

@@ -10,6 +10,7 @@
 //! | `threshold` | 1 if ‖x_i - x_j‖ <= radius, else 0 | sparse |
 //! | `breakpoint` | 1 between neighbouring beams without a jump of the range, else 0; needs beams | sparse |
 //! | `clear_width` | 1 between neighbours of one wall, which ends at gaps as wide as a vehicle, else 0; needs beams | sparse |
+//! | `directions` | exp(-σ ‖e_i - e_j‖²) between neighbouring *directions* in which the vehicle gets on, else 0 | sparse |
 //! | `passage` | Π exp(-cost) over the gaps between i and j along one wall, else 0 | sparse |
 //!
 //! `threshold`, `breakpoint` and `clear_width` are baselines. Each clusters by the components of its 0/1 graph, and goes
@@ -41,6 +42,7 @@ mod edges;
 
 pub mod breakpoint;
 pub mod clear_width;
+pub mod directions;
 pub mod passage;
 pub mod rbf;
 pub mod threshold;
@@ -49,4 +51,4 @@ use crosscut_stage::{AffinityStage, Kind};
 
 /// The affinities that crosscut ships, in the order in which messages list them; the first is the default.
 pub const KINDS: &[Kind<dyn AffinityStage>] =
-    &[rbf::KIND, passage::KIND, clear_width::KIND, threshold::KIND, breakpoint::KIND];
+    &[rbf::KIND, passage::KIND, clear_width::KIND, threshold::KIND, breakpoint::KIND, directions::KIND];

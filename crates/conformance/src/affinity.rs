@@ -37,6 +37,11 @@ fn graph(kind: &AffinityKind, revolution: &Revolution) -> Option<Affinity> {
     }
 }
 
+/// How many rows W has: one for each return, or for each direction.
+fn rows(affinity: &Affinity, revolution: &Revolution) -> usize {
+    affinity.dual.as_ref().map_or(revolution.len(), |dual| dual.directions.len())
+}
+
 fn any_revolution() -> impl Strategy<Value = Revolution> {
     prop_oneof![4 => scan(0..80), 1 => scan(0..4), 4 => cloud(0..40)]
 }
@@ -46,7 +51,8 @@ pub fn w_is_symmetric_with_entries_in_0_to_1_and_ones_on_the_diagonal(kind: &Aff
     for_many(kind.name, CASES, &any_revolution(), |revolution| {
         let Some(affinity) = graph(kind, &revolution) else { return };
         let w = affinity.weights.to_dense();
-        assert_eq!((w.nrows(), w.ncols()), (revolution.len(), revolution.len()));
+        let n = rows(&affinity, &revolution);
+        assert_eq!((w.nrows(), w.ncols()), (n, n));
         for j in 0..w.ncols() {
             assert_eq!(w[(j, j)], 1.0, "diagonal at {j}");
             for i in 0..j {
@@ -80,6 +86,7 @@ pub fn few_returns_and_returns_in_one_place_have_defined_graphs(kind: &AffinityK
     for n in [0, 1, 2, 5] {
         let revolution = Revolution { points_m: vec![Point::new(2.0, 1.0, 0.0); n], ..Revolution::default() };
         let Some(affinity) = graph(kind, &revolution) else { continue };
+        let n = rows(&affinity, &revolution);
         assert_eq!((affinity.weights.n(), affinity.degrees.len()), (n, n), "{}", kind.name);
         assert!(affinity.degrees.iter().all(|d| (1.0..=n as f64).contains(d)), "{}: {affinity:?}", kind.name);
     }

@@ -63,9 +63,10 @@ impl Engine {
 
     pub(crate) fn of(own: OwnStages, config: &Config, registry: &Registry, shared_by: [usize; 2]) -> Self {
         let (affinity, solver) = (config.kind(&registry.affinity), config.kind(&registry.spectral).properties);
-        // W has few entries in a row if the affinity needs beams. A solver that stays sparse takes no n×n matrix for such a
+        // W has few entries in a row if the affinity needs beams, or takes the whole cloud. A solver that stays sparse takes no n×n matrix for such a
         // W, and one that decomposes nothing takes none for any.
-        let is_w_sparse = own.affinity.is_none() && affinity.properties.needs_beams;
+        let is_w_sparse =
+            own.affinity.is_none() && (affinity.properties.needs_beams || affinity.properties.takes_cloud);
         let stays_sparse = solver.eigenvalues == Eigenvalues::Zeros || is_w_sparse && solver.stays_sparse;
         let has_matrices = own.spectral.is_some() || !stays_sparse;
         let shipped = Registry::standard();
@@ -93,7 +94,7 @@ impl Engine {
             cluster: Worker::new(Step::Kmeans, move |f| kmeans.partition(&f.spectrum, &mut f.partition, &mut f.notes)),
             report: Worker::new(Step::Report, move |f| {
                 let Frame { revolution, affinity, spectrum, partition, junction, notes, .. } = f;
-                reporter.report(revolution, &affinity.verdicts, spectrum, partition, junction, notes)
+                reporter.report(revolution, affinity, spectrum, partition, junction, notes)
             }),
         }
     }

@@ -11,6 +11,7 @@
 //!   edge of the visible free space between two returns that follow each other around the sensor, through which the
 //!   vehicle fits and behind which at least 3 m are not seen to be closed ([`openings`]).
 //! - Each gap is **known** in one of three ways (`known.rs`): seen through, proved to be closed, or judged.
+//! - A **way** is a cluster of directions, of affinities whose rows these are (`ways.rs`); the level ones are openings too.
 //! - The **place** is named by the number of openings and by the angle between two (`place.rs`).
 //! - **Confidence** is taken from the zero rule, 1 - 10^-margin, or from the scene, a share of right answers fitted to
 //!   the odds of its gaps and to how clear the most doubtful ones are ([`confidence`], [`odds`]).
@@ -28,11 +29,12 @@ mod reporter;
 mod results;
 mod wall_ring;
 mod walls;
+mod ways;
 
 pub use crosscut_scan::{VEHICLE_PARAMS, VEHICLE_WIDTH_M};
 pub use reporter::{CONFIDENCE, PARAMS, Reporter};
 pub use results::{
     HereLine, MAX_EIGENVALUES, OpeningLine, PoseLine, RESULTS_SCHEMA_NAME, RESULTS_SCHEMA_TEXT, ResultsLine,
-    SteadyLine, WallLine,
+    SteadyLine, WallLine, WayLine,
 };
 pub use wall_ring::WallRing;

@@ -3,14 +3,14 @@
 use crosscut_scan::{ISLAND_M, VEHICLE_WIDTH_M};
 use crosscut_stage::NoteCode::{N080, N081, N082};
 use crosscut_stage::{
-    Count, Junction, Notes, Number, ParamSpec, Params, Partition, Revolution, Spectrum, StageError, Sweep, Verdict,
-    Word,
+    Affinity, Count, Junction, Notes, Number, ParamSpec, Params, Partition, Revolution, Spectrum, StageError, Sweep,
+    Verdict, Word,
 };
 
 use crate::confidence::Grounds;
 use crate::openings::{self, OpeningRule};
 use crate::wall_ring::WallRing;
-use crate::{confidence, doorway, islands, known, odds, place, walls};
+use crate::{confidence, doorway, islands, known, odds, place, walls, ways};
 
 const MIN_RETURNS: Count = Count::new("min_returns", "returns", 1)
     .from(1)
@@ -70,11 +70,35 @@ impl Reporter {
         self
     }
 
-    /// Writes walls, openings, the name of the place and the confidence into `out`, whatever `out` held before.
+    /// Writes walls, openings, the name of the place and the confidence into `out`, whatever `out` held before. Of an affinity
+    /// whose rows are directions, the clusters are ways on, and the walls are what a level vehicle sees between level ones.
     ///
     /// # Errors
-    /// When there is not one label for each return.
+    /// When there is not one label for each return, or direction.
     pub fn report(
+        &mut self,
+        revolution: &Revolution,
+        affinity: &Affinity,
+        spectrum: &Spectrum,
+        partition: &Partition,
+        out: &mut Junction,
+        notes: &mut Notes,
+    ) -> Result<(), StageError> {
+        out.ways = None;
+        if let Some(dual) = &affinity.dual {
+            let found = ways::of_clusters(dual, partition)?;
+            let (verdicts, partition) = ways::level(&found, dual, revolution, revolution.beams(), self.vehicle_width_m);
+            self.walls(revolution, &verdicts, spectrum, &partition, out, notes)?;
+            // The count is as right as the most doubtful way.
+            out.confidence = out.confidence.and(Some(found.iter().map(|way| way.p).fold(1.0, f64::min)));
+            out.ways = Some(found);
+            return Ok(());
+        }
+        self.walls(revolution, &affinity.verdicts, spectrum, partition, out, notes)
+    }
+
+    /// All but the ways: `partition` has a label for each return.
+    fn walls(
         &mut self,
         revolution: &Revolution,
         verdicts: &[Verdict],
@@ -173,7 +197,7 @@ mod tests {
         let revolution = Revolution { points_m: vec![Point::new(1.0, 0.0, 0.0)], ..Default::default() };
         let result = reporter.report(
             &revolution,
-            &[],
+            &Affinity::default(),
             &Spectrum::default(),
             &Partition::default(),
             &mut Junction::default(),

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use crosscut_flight::{FlightAnswer, Here, SteadyOpening};
-use crosscut_stage::{Frame, Known, KnownGaps, Wall};
+use crosscut_stage::{Frame, Known, KnownGaps, Wall, Way};
 use serde::{Deserialize, Serialize};
 
 /// The name of [`RESULTS_SCHEMA_TEXT`].
@@ -47,6 +47,18 @@ pub struct ResultsLine {
     /// which the vehicle has no width.
     #[serde(default)]
     pub holds_for_width_m: Option<[f64; 2]>,
+    /// The ways on in three dimensions, by bearing ascending; left out of affinities whose rows are returns.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ways: Option<Vec<WayLine>>,
+    /// How many of them a flyer can take: all.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ways_flyer: Option<usize>,
+    /// How many of them a vehicle on the ground can take: those that are no shafts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ways_ground: Option<usize>,
+    /// The lowest and the highest elevation that the sensor looks at: of ways beyond them, nothing is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ways_view_rad: Option<[f64; 2]>,
     /// The place that the vehicle is in; null for a cloud, where no wall is in view, and for a
     /// limited view that has not seen enough around it.
     #[serde(default)]
@@ -121,6 +133,42 @@ pub struct OpeningLine {
     /// The end of a limited view cuts it: bearing and width are those of the part in view.
     #[serde(default)]
     pub cut_by_view: bool,
+}
+
+/// A way on in three dimensions, in the results.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WayLine {
+    /// Towards it, in the body frame: a unit vector.
+    pub direction: [f64; 3],
+    /// Its bearing.
+    pub bearing_rad: f64,
+    /// Its elevation, up is positive.
+    pub elevation_rad: f64,
+    /// Diameter of the largest ball that passes.
+    pub clearance_m: f64,
+    /// `level`, `ramp_up`, `ramp_down`, `shaft_up` or `shaft_down`.
+    pub kind: String,
+    /// The odds that it is one, as a probability.
+    pub p: f64,
+    /// `seen_through` or `no_return`.
+    pub evidence: String,
+    /// It goes on beyond what the sensor looks at: direction and clearance are those of the part in view.
+    pub cut_by_view: bool,
+}
+
+impl WayLine {
+    fn of(way: &Way) -> Self {
+        Self {
+            direction: way.direction.into(),
+            bearing_rad: way.bearing_rad(),
+            elevation_rad: way.elevation_rad(),
+            clearance_m: way.clearance_m,
+            kind: way.kind().to_string(),
+            p: way.p,
+            evidence: way.evidence.to_string(),
+            cut_by_view: way.cut_by_view,
+        }
+    }
 }
 
 /// What is read where a line does not say how an opening is known.
@@ -202,6 +250,10 @@ impl ResultsLine {
                 .collect(),
             gaps: junction.gaps,
             holds_for_width_m: frame.affinity.holds_for_width_m,
+            ways: junction.ways.as_ref().map(|ways| ways.iter().map(WayLine::of).collect()),
+            ways_flyer: junction.ways.as_ref().map(Vec::len),
+            ways_ground: junction.ways.as_ref().map(|ways| ways.iter().filter(|way| way.is_for_ground()).count()),
+            ways_view_rad: frame.affinity.dual.as_ref().map(|dual| dual.view_rad),
             here: flown.here.as_ref().map(HereLine::of),
             steady: flown.steady.as_ref().map(|steady| SteadyLine {
                 junctions: steady.junctions,
@@ -273,6 +325,16 @@ mod tests {
             known: judged(),
             cut_by_view: false,
         });
+        let way = Way {
+            direction: nalgebra::Vector3::x(),
+            clearance_m: 1.0,
+            reach_m: 5.0,
+            p: 0.5,
+            evidence: crosscut_stage::Evidence::NoReturn,
+            cut_by_view: false,
+        };
+        line.ways = Some(vec![WayLine::of(&way)]);
+        (line.ways_flyer, line.ways_ground, line.ways_view_rad) = (Some(1), Some(1), Some([0.0; 2]));
         line.here = Some(here());
         let opening = SteadyOpening { track: 0, bearing_rad: 0.0, width_m: 1.0 };
         line.steady = Some(SteadyLine { junctions: 1, here: Some(here()), openings: vec![opening] });

@@ -43,6 +43,9 @@ impl Sensor {
         let heights_m = out.points_m.iter().map(|point_m| point_m.z);
         let [low_m, high_m] = heights_m.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], z| [a.min(z), b.max(z)]);
         let aside = view.level(out, self.vehicle_height_m, self.vehicle_width_m);
+        if self.keeps_cloud && beams.is_none() {
+            out.cloud_m.extend_from_slice(view.points_m());
+        }
         let seen = out.sweep.get_or_insert_default();
         let [first_rad, step_rad, ..] = &mut seen.wire_geometry;
         *first_rad = self.own_angle_rad(f64::from(*first_rad) - self.yaw_rad) as f32;

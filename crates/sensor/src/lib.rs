@@ -30,7 +30,7 @@
 //! Points of a cloud that are not finite, or stand at the sensor itself (noted), are no returns. Of the others, the
 //! revolution has what a level vehicle sees ([`LevelView`](crosscut_scan::LevelView)): the nearest returns at its height, in
 //! up to 720 beams. The cloud's other points at this height are entries of the return of their beam, and those above
-//! or below it of no wall. A sweep of more than 4096 beams is levelled as well.
+//! or below it of no wall. An affinity that takes whole clouds has all points beside ([`Sensor::keeping_cloud`]). A sweep of more than 4096 beams is levelled as well.
 //!
 //! *No return* means that nothing is there within range; *unknown* that nothing is known.
 //!

@@ -127,6 +127,7 @@ pub struct Sensor {
     pub(crate) range_scale: f64,
     pub(crate) vehicle_width_m: f64,
     pub(crate) vehicle_height_m: f64,
+    pub(crate) keeps_cloud: bool,
 }
 
 /// Mounted upright, looking ahead, with nothing left out.
@@ -172,6 +173,7 @@ impl Sensor {
             },
             vehicle_width_m: vehicle.get(VEHICLE_WIDTH_M),
             vehicle_height_m: vehicle.get(VEHICLE_HEIGHT_M),
+            keeps_cloud: false,
         }
     }
 
@@ -197,6 +199,12 @@ impl Sensor {
     /// This sensor, mounted as a recording states.
     pub fn mounted(self, yaw_rad: f64, upside_down: bool) -> Self {
         Self { yaw_rad, upside_down, is_mount_stated: true, ..self }
+    }
+
+    /// This sensor, whose revolutions keep all points of a cloud if `keeps` says so.
+    #[must_use]
+    pub fn keeping_cloud(self, keeps: bool) -> Self {
+        Self { keeps_cloud: keeps, ..self }
     }
 
     /// Whether the turning of the vehicle during a scan is taken into account.

@@ -4,6 +4,8 @@ use std::fmt;
 
 use faer::Mat;
 
+use crate::Dual;
+
 /// The similarity graph of one revolution: symmetric, non-negative, W_ii = 1.
 #[derive(Clone, Debug, Default)]
 pub struct Affinity {
@@ -16,6 +18,8 @@ pub struct Affinity {
     /// The widths of the vehicle, about the configured one, for which there are as many walls, metres; `None` unless they
     /// were asked for, and of kinds for which the vehicle has no width.
     pub holds_for_width_m: Option<[f64; 2]>,
+    /// Of kinds whose rows are directions: these, and the ways on; `None` where rows are returns.
+    pub dual: Option<Dual>,
 }
 
 impl Affinity {

@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Known, KnownGaps, Point};
+use crate::{Known, KnownGaps, Point, Way};
 
 /// Answers of at least this confidence are called sure.
 pub const SURE: f64 = 0.9;
@@ -18,6 +18,8 @@ pub struct Junction {
     pub walls: Vec<Wall>,
     /// The openings, by bearing ascending.
     pub openings: Vec<Opening>,
+    /// The ways on in three dimensions, by bearing ascending; `None` of affinities whose rows are returns.
+    pub ways: Option<Vec<Way>>,
     /// How its gaps are known: the openings, and the gaps at which the affinity decided that a wall goes on.
     pub gaps: KnownGaps,
     /// Wall of each return, n entries; `None` for a return of no wall.

@@ -85,6 +85,9 @@ pub trait StageKind {
 pub struct AffinityProperties {
     /// The affinity needs the beams of a sweep, and refuses points without any. Its W has few entries in a row.
     pub needs_beams: bool,
+    /// The affinity takes the whole cloud where a message is one ([`Revolution::cloud_m`](crate::Revolution::cloud_m)). The rows
+    /// of its W are directions ([`Dual`](crate::Dual)), at most a few thousand, with few entries in a row.
+    pub takes_cloud: bool,
     /// Changes of a revolution that leave W alone.
     pub blind_to: &'static [Invariance],
 }
@@ -92,7 +95,7 @@ pub struct AffinityProperties {
 impl StageKind for dyn AffinityStage {
     const SECTION: &'static str = "affinity";
     type Properties = AffinityProperties;
-    const DEFAULT: AffinityProperties = AffinityProperties { needs_beams: false, blind_to: &[] };
+    const DEFAULT: AffinityProperties = AffinityProperties { needs_beams: false, takes_cloud: false, blind_to: &[] };
 }
 
 impl Kind<dyn AffinityStage> {
@@ -104,6 +107,12 @@ impl Kind<dyn AffinityStage> {
     /// Makes the kind one that refuses points without beams.
     pub const fn needs_beams(mut self) -> Self {
         self.properties.needs_beams = true;
+        self
+    }
+
+    /// Makes the kind one of directions, which takes the whole cloud.
+    pub const fn takes_cloud(mut self) -> Self {
+        self.properties.takes_cloud = true;
         self
     }
 

@@ -30,6 +30,7 @@ mod revolution;
 mod spectrum;
 mod traits;
 mod unsure;
+mod way;
 
 pub use affinity::{Affinity, Csr, Measured, Verdict, Weights};
 pub use disjoint_sets::DisjointSets;
@@ -52,6 +53,7 @@ pub use revolution::{
 pub use spectrum::Spectrum;
 pub use traits::{AffinityStage, KmeansStage, Observer, ObserverError, Source, SourceError, SpectralStage, StageError};
 pub use unsure::Unsure;
+pub use way::{Dual, Way, WayKind};
 
 pub use toml::Value;
 

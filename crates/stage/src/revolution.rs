@@ -24,6 +24,9 @@ pub struct Revolution {
     /// entry, in message order, the return whose wall is its label, or [`Frame::NO_RETURN`](crate::Frame::NO_RETURN) or
     /// [`Frame::NO_WALL`](crate::Frame::NO_WALL). Empty where each beam is an entry.
     pub entries: Vec<i32>,
+    /// Of a message that is a cloud, all its points, metres, where the affinity takes them; the returns are those that a level
+    /// vehicle sees.
+    pub cloud_m: Vec<Point>,
     /// The vehicle's pose at the stamp by its odometry, in the odometry's frame, metres and radians; `None` if not known.
     pub odometry: Option<Isometry2<f64>>,
 }
@@ -158,6 +161,7 @@ impl Revolution {
         self.frame_id.clear();
         self.points_m.clear();
         self.entries.clear();
+        self.cloud_m.clear();
         self.odometry = None;
         if let Some(sweep) = &mut self.sweep {
             sweep.clear();

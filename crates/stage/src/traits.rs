@@ -45,7 +45,7 @@ impl StageError {
 /// First stage: the weighted graph over the returns.
 pub trait AffinityStage: Send {
     /// Writes W of `revolution`, whose points are finite, into `out.weights`, whatever that held before, and its verdicts,
-    /// if it makes any, into the empty `out.verdicts`. `affinity` calls it and does the rest,
+    /// if it makes any, into the empty `out.verdicts`. A row is a return, or a direction of `out.dual`, which is `None` before. `affinity` calls it and does the rest,
     /// for every kind alike.
     ///
     /// n = 0 gives an empty W. The result depends on nothing but `revolution` and the stage's parameters.
@@ -60,7 +60,7 @@ impl dyn AffinityStage + '_ {
     /// Writes W and D of `revolution` into `out`, whatever `out` held before.
     ///
     /// # Errors
-    /// When a point is not finite, no graph can be made of the returns, or W has not a row for each.
+    /// When a point is not finite, no graph can be made of the returns, or W has not a row for each return, or direction.
     pub fn affinity(
         &mut self,
         revolution: &Revolution,
@@ -72,11 +72,16 @@ impl dyn AffinityStage + '_ {
         }
         out.verdicts.clear();
         out.holds_for_width_m = None;
+        out.dual = None;
         self.weigh(revolution, out, notes)?;
         out.sum_degrees();
-        match (out.degrees.len(), revolution.len()) {
-            (rows, n) if rows == n => Ok(()),
-            (rows, n) => Err(StageError::Mismatch(format!("W has {rows} rows for {n} returns"))),
+        let (n, what) = match &out.dual {
+            Some(dual) => (dual.directions.len(), "directions"),
+            None => (revolution.len(), "returns"),
+        };
+        match out.degrees.len() {
+            rows if rows == n => Ok(()),
+            rows => Err(StageError::Mismatch(format!("W has {rows} rows for {n} {what}"))),
         }
     }
 }

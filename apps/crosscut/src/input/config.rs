@@ -15,7 +15,7 @@ pub(crate) const CONFIGURATION: &str = "Configuration";
 
 #[derive(Debug, Args)]
 pub(crate) struct ConfigArgs {
-    /// Settings to start from: paper, default, or one of the baselines clear_width, threshold, breakpoint.
+    /// Settings to start from: paper, default, 3d, or one of the baselines clear_width, threshold, breakpoint.
     /// [default: default]
     #[arg(long, help_heading = CONFIGURATION)]
     pub(crate) preset: Option<String>,

@@ -16,6 +16,8 @@ pub enum Preset {
     /// The best there is.
     #[default]
     Default,
+    /// Ways on in three dimensions, of clouds.
+    ThreeD,
     /// A baseline: a wall ends where one clear width is that of the vehicle.
     ClearWidth,
     /// A baseline: returns within a radius of each other are of one wall.
@@ -26,7 +28,8 @@ pub enum Preset {
 
 impl Preset {
     /// All presets, in the order in which messages list them.
-    pub const ALL: [Self; 5] = [Self::Paper, Self::Default, Self::ClearWidth, Self::Threshold, Self::Breakpoint];
+    pub const ALL: [Self; 6] =
+        [Self::Paper, Self::Default, Self::ThreeD, Self::ClearWidth, Self::Threshold, Self::Breakpoint];
 
     /// The preset of this name.
     ///
@@ -44,6 +47,7 @@ impl Preset {
         match self {
             Self::Paper => "paper",
             Self::Default => "default",
+            Self::ThreeD => "3d",
             Self::ClearWidth => "clear_width",
             Self::Threshold => "threshold",
             Self::Breakpoint => "breakpoint",
@@ -54,6 +58,7 @@ impl Preset {
         match self {
             Self::Paper => include_str!("presets/paper.toml"),
             Self::Default => include_str!("presets/default.toml"),
+            Self::ThreeD => include_str!("presets/3d.toml"),
             Self::ClearWidth => include_str!("presets/clear_width.toml"),
             Self::Threshold => include_str!("presets/threshold.toml"),
             Self::Breakpoint => include_str!("presets/breakpoint.toml"),

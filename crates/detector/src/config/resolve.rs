@@ -15,6 +15,8 @@ use crate::Registry;
 #[derive(Clone, Debug)]
 pub struct Config {
     pub(super) sections: Vec<Resolved>,
+    /// The affinity takes the whole cloud.
+    takes_cloud: bool,
 }
 
 /// One section, resolved.
@@ -60,7 +62,8 @@ impl Config {
             refuse_unknown_sections(&sections, layer)?;
         }
         let sections = sections.iter().map(|section| resolve_section(section, layers));
-        let mut config = Self { sections: sections.collect::<Result<_, _>>()? };
+        let mut config = Self { sections: sections.collect::<Result<_, _>>()?, takes_cloud: false };
+        config.takes_cloud = config.kind(&registry.affinity).properties.takes_cloud;
         config.follow();
         config.refuse_no_return()?;
         Ok(config)
@@ -114,7 +117,7 @@ impl Config {
 
     /// The sensor, on its vehicle.
     pub fn sensor(&self) -> Sensor {
-        Sensor::new(self.params("ingest"), self.params("vehicle"))
+        Sensor::new(self.params("ingest"), self.params("vehicle")).keeping_cloud(self.takes_cloud)
     }
 
     /// The configuration with another value of a parameter.

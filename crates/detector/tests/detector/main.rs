@@ -6,3 +6,4 @@ mod doubt;
 mod scenes;
 mod slicing;
 mod symmetry;
+mod ways;

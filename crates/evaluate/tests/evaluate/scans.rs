@@ -27,6 +27,10 @@ pub(crate) fn answer(labels: &[i32], islands: &[u32]) -> ResultsLine {
     ResultsLine {
         gaps: KnownGaps::default(),
         holds_for_width_m: None,
+        ways: None,
+        ways_flyer: None,
+        ways_ground: None,
+        ways_view_rad: None,
         seq: 0,
         stamp_ns: 0,
         returns: labels.iter().filter(|&&label| label != -1).count(),

@@ -3,7 +3,7 @@
 use crate::scenes::{Segment, scan, tee, tunnel};
 use crosscut_report::confidence::Grounds;
 use crosscut_report::{PARAMS, Reporter, VEHICLE_PARAMS};
-use crosscut_stage::{Beam, Frame, Junction, Params, Partition, Revolution, Verdict};
+use crosscut_stage::{Affinity, Beam, Frame, Junction, Params, Partition, Revolution, Verdict};
 
 const VEHICLE_WIDTH_M: f64 = 0.6;
 
@@ -40,7 +40,8 @@ fn answer_by(
     frame.partition = Partition { clusters, labels: walls, ..Partition::default() };
     let Frame { revolution, spectrum, partition, junction, notes, .. } = &mut frame;
     let mut reporter = Reporter::new(&params, &Params::defaults(VEHICLE_PARAMS));
-    reporter.report(revolution, verdicts, spectrum, partition, junction, notes).expect("as many labels as returns");
+    let affinity = Affinity { verdicts: verdicts.to_vec(), ..Affinity::default() };
+    reporter.report(revolution, &affinity, spectrum, partition, junction, notes).expect("as many labels as returns");
     (frame.revolution, frame.junction)
 }
 

@@ -7,7 +7,8 @@ use crate::scenes::{Segment, scan, tee, tunnel};
 use crosscut_report::openings::{OpeningRule, find};
 use crosscut_report::{PARAMS, Reporter, VEHICLE_PARAMS, WallRing};
 use crosscut_stage::{
-    Beam, Evidence, Junction, Known, KnownGaps, Notes, Opening, Params, Partition, Revolution, Spectrum, Verdict,
+    Affinity, Beam, Evidence, Junction, Known, KnownGaps, Notes, Opening, Params, Partition, Revolution, Spectrum,
+    Verdict,
 };
 
 fn openings(segments: &[(Segment, u32)]) -> Vec<Opening> {
@@ -406,7 +407,8 @@ fn a_door_is_seen_through_until_walls_lose_as_many_beams() {
         let beams = &mut revolution.sweep.as_mut().expect("a sweep").beams;
         beams.iter_mut().filter(|beam| **beam == Beam::Unknown).for_each(|beam| *beam = Beam::NoReturn);
         let partition = Partition { clusters: 1, labels: walls, ..Partition::default() };
-        let verdicts = [verdict(&revolution, 0.0, true), verdict(&revolution, 2.0, false)];
+        let verdicts = vec![verdict(&revolution, 0.0, true), verdict(&revolution, 2.0, false)];
+        let affinity = Affinity { verdicts, ..Affinity::default() };
         let mut report = Params::defaults(PARAMS);
         report.set("openings", "between_walls").expect("there is such a rule");
         report.set("island_m", 0.0).expect("allowed");
@@ -414,7 +416,7 @@ fn a_door_is_seen_through_until_walls_lose_as_many_beams() {
         let (mut junction, mut notes) = (Junction::default(), Notes::default());
         let spectrum = Spectrum::default();
         reporter
-            .report(&revolution, &verdicts, &spectrum, &partition, &mut junction, &mut notes)
+            .report(&revolution, &affinity, &spectrum, &partition, &mut junction, &mut notes)
             .expect("one label each");
         (junction.openings[0].known, junction.gaps)
     };

@@ -102,6 +102,11 @@ impl LevelView {
         self.points_m.len() - self.level.len()
     }
 
+    /// The points of the cloud that was levelled last, in its order.
+    pub fn points_m(&self) -> &[Point] {
+        &self.points_m
+    }
+
     /// Fills `undealt` and `usual`.
     fn find_level(&mut self, half_height_m: f64, nearest_m: f64) {
         let Self { points_m, undealt, fan, usual, .. } = self;

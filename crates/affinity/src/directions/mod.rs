@@ -1,0 +1,172 @@
+//! `directions`: ways on in three dimensions, the dual of the walls.
+//!
+//! In the plane, n gaps in a ring of returns leave n walls. On the sphere of directions n gaps leave one surface with n holes:
+//! what is hit cannot count ways on, and what is open can, in every dimension. So the rows of W are directions.
+//!
+//! 1. **Cells.** The sphere is cut into cells of nearly one size, at most 2,000, of about 8 points each or more, and none so low
+//!    that it lies between two rings of the lidar. A cell shows the
+//!    return that a quarter of its returns are nearer than, so that dust does not count. Returns within half the vehicle's
+//!    width are of the vehicle. A ring of cells at one elevation with returns in fewer than half of them is not looked at;
+//!    elsewhere a cell without a return is open.
+//! 2. **Room.** R is the radius of the largest ball that holds no return and whose centre lies in the one about the sensor.
+//! 3. **Reach.** F(e) is how far the vehicle's ball, of radius r, gets straight on in direction e: the least p·e - √(r² - |p -
+//!    (p·e) e|²) over the returns p that are nearer than r to the ray.
+//! 4. **Cut.** Nodes are the cells with F(e) >= 2.25 R; W_ij = exp(-σ |e_i - e_j|²) between cells that touch, 0 otherwise, W_ii =
+//!    1. The components are the ways, if one of their cells has F(e) >= 2.475 R. Rock that reaches between two ways nearer than
+//!    2.25 R tells them apart, and a recess that is not as deep is none.
+//! 5. **What stays.** p of a way is the share of right answers, on development seeds, whose least way stays by itself at as many of
+//!    five distances from 1.75 to 2.75 R; less where the view cuts it.
+//!
+//! The direction of a way is the mean of its cells, by the square of the room around the point 2.36 R away on each; its
+//! clearance is twice the largest of these rooms. Of a scan without a cloud, the cells are those of the horizon, 1° wide.
+
+mod reach;
+mod sight;
+mod sphere;
+mod ways;
+
+pub use ways::Found;
+
+use crosscut_scan::VEHICLE_WIDTH_M;
+use crosscut_stage::{Affinity, AffinityStage, Beam, Dual, Kind, Notes, Point, Revolution, StageError};
+
+use sight::{Seen, Sight};
+use sphere::Sphere;
+
+/// Cells of the sphere, and of the horizon alone.
+const CELLS: usize = 2000;
+/// See [`CELLS`].
+const LEAST_CELLS: usize = 400;
+/// See [`CELLS`].
+const LEVEL_CELLS: usize = 360;
+/// Cells have this many points on average, or more.
+const LEAST_POINTS: usize = 8;
+/// W_ij of two cells beside each other is about exp(-1/4).
+const SIGMA: f64 = 0.25;
+
+/// Directions that are open, and ways on.
+pub const KIND: Kind<dyn AffinityStage> = Kind::affinity(
+    "directions",
+    "exp(-sigma |e_i - e_j|²) between neighbouring directions in which the vehicle gets on: their components are the ways on, in three dimensions",
+    |params| Box::new(Directions { width_m: params.get(VEHICLE_WIDTH_M), sky: Sky::default() }),
+)
+.params(&[VEHICLE_WIDTH_M.shared("vehicle.width_m")])
+.takes_cloud();
+
+struct Directions {
+    width_m: f64,
+    sky: Sky,
+}
+
+/// What is seen around the sensor, kept from cloud to cloud.
+#[derive(Clone, Debug, Default)]
+pub struct Sky {
+    sphere: Sphere,
+    /// The number of cells that `sphere` was made for.
+    made_for: usize,
+    sight: Sight,
+    reach_m: Vec<f64>,
+    /// The radius of the largest ball around the sensor, metres.
+    pub room_m: f64,
+}
+
+impl Sky {
+    /// Looks at a cloud, for a vehicle of this width.
+    pub fn look(&mut self, points_m: &[Point], width_m: f64) {
+        let mut wanted = CELLS.min(points_m.len() / LEAST_POINTS).max(LEAST_CELLS).next_multiple_of(100);
+        loop {
+            if self.made_for != wanted {
+                (self.sphere, self.made_for) = (Sphere::of(wanted), wanted);
+            }
+            self.sight.look(&self.sphere, points_m, 0.5 * width_m);
+            // Between the rings of a lidar there is nothing to see.
+            if !self.sight.hide_unseen(&self.sphere) || wanted <= LEAST_CELLS {
+                break;
+            }
+            wanted = (wanted * 2 / 3).max(LEAST_CELLS).next_multiple_of(100);
+        }
+        self.measure(width_m);
+    }
+
+    /// Looks at the returns of a level sweep.
+    fn look_level(&mut self, revolution: &Revolution, width_m: f64) {
+        let sweep = revolution.beams();
+        let beams = sweep.map_or(revolution.len(), |sweep| sweep.len() + sweep.missing);
+        let cells = LEVEL_CELLS.min(beams).max(16);
+        // No sphere of as few cells is wanted for a cloud.
+        let wanted = cells;
+        if self.made_for != wanted {
+            (self.sphere, self.made_for) = (Sphere::level(cells), wanted);
+        }
+        self.sight.look(&self.sphere, &revolution.points_m, 0.5 * width_m);
+        if let Some(sweep) = sweep {
+            let mut looked_at = vec![false; cells];
+            for (beam, bearing_rad) in sweep.beams.iter().zip(&sweep.bearings_rad) {
+                let towards = nalgebra::Vector3::new(bearing_rad.cos(), bearing_rad.sin(), 0.0);
+                looked_at[self.sphere.cell(&towards, 1.0)] |= *beam != Beam::Unknown;
+            }
+            let unseen = self.sight.seen.iter_mut().zip(looked_at).filter(|(_, looked_at)| !looked_at);
+            unseen.filter(|(seen, _)| **seen == Seen::Nothing).for_each(|(seen, _)| *seen = Seen::Unknown);
+        }
+        self.measure(width_m);
+    }
+
+    fn measure(&mut self, width_m: f64) {
+        self.room_m = reach::room_m(&self.sphere, &self.sight);
+        reach::reach_m(&self.sphere, &self.sight, 0.5 * width_m, &mut self.reach_m);
+    }
+
+    /// The ways that are seen, by their first cell.
+    pub fn ways(&self) -> Vec<Found> {
+        if !self.room_m.is_finite() {
+            return Vec::new();
+        }
+        ways::find(&self.sphere, &self.sight, &self.reach_m, self.room_m)
+    }
+}
+
+impl AffinityStage for Directions {
+    fn weigh(&mut self, revolution: &Revolution, out: &mut Affinity, _: &mut Notes) -> Result<(), StageError> {
+        let Self { width_m, sky } = self;
+        if revolution.cloud_m.is_empty() {
+            sky.look_level(revolution, *width_m);
+        } else {
+            if let Some(index) = revolution.cloud_m.iter().position(|point| !point.iter().all(|x| x.is_finite())) {
+                return Err(StageError::NotFinite { what: "the point", index });
+            }
+            sky.look(&revolution.cloud_m, *width_m);
+        }
+        let ways = sky.ways();
+        let mut row_of = vec![None; sky.sphere.len()];
+        let mut cells: Vec<(u32, u32)> =
+            (0..).zip(&ways).flat_map(|(of, way)| way.cells.iter().map(move |cell| (*cell, of))).collect();
+        cells.sort_unstable();
+        (0..).zip(&cells).for_each(|(row, (cell, _))| row_of[*cell as usize] = Some(row));
+        let sigma = SIGMA / (sky.sphere.step_rad() * sky.sphere.step_rad());
+        let w = out.weights.make_sparse();
+        for &(cell, of) in &cells {
+            let direction = sky.sphere.directions[cell as usize];
+            let beside = sky.sphere.neighbours[cell as usize].iter().copied();
+            let mut row: Vec<(u32, f64)> = beside
+                .filter_map(|other| {
+                    let row: u32 = row_of[other as usize]?;
+                    let off =
+                        (sky.sphere.directions[other as usize].into_inner() - direction.into_inner()).norm_squared();
+                    (cells[row as usize].1 == of).then(|| (row, (-sigma * off).exp()))
+                })
+                .collect();
+            row.extend(row_of[cell as usize].map(|row| (row, 1.0)));
+            row.sort_unstable_by_key(|(row, _)| *row);
+            row.iter().for_each(|(row, weight)| w.push(*row, *weight));
+            w.end_row();
+        }
+        out.dual = Some(Dual {
+            directions: cells.iter().map(|(cell, _)| sky.sphere.directions[*cell as usize].into_inner()).collect(),
+            way_of_row: cells.iter().map(|(_, of)| *of).collect(),
+            ways: ways.iter().map(|found| found.way).collect(),
+            view_rad: sky.sight.view_rad(&sky.sphere),
+            cut_m: if sky.room_m.is_finite() { ways::APART * sky.room_m } else { 0.0 },
+        });
+        Ok(())
+    }
+}

@@ -1,0 +1,113 @@
+//! Ways on: the components of the directions in which the vehicle gets as far as they stay apart.
+
+use crosscut_stage::{DisjointSets, Evidence, Way};
+use nalgebra::Vector3;
+
+use super::reach::clear_m;
+use super::sight::{Seen, Sight};
+use super::sphere::Sphere;
+
+/// Ways are components of the directions in which the vehicle gets as far, in multiples of the room at the sensor.
+pub(super) const APART: f64 = 2.25;
+/// And it gets as far in one of them.
+const ON: f64 = 2.475;
+/// A single cell is not enough.
+const LEAST_CELLS: usize = 2;
+/// Whether a way stays by itself is asked at these distances.
+const RADII: [f64; 5] = [1.75, 2.0, 2.25, 2.5, 2.75];
+/// Of answers whose least way stays at as many of them, the share that is right, on development seeds.
+const RIGHT_SHARE: [f64; RADII.len() + 1] = [0.4, 0.4, 0.5, 0.6, 0.85, 0.98];
+/// And as much of it where the view cuts a way.
+const CUT_SHARE: f64 = 0.87;
+
+/// A way, and its cells, ascending.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// What is known of it.
+    pub way: Way,
+    /// The cells of the sphere that it takes.
+    pub cells: Vec<u32>,
+}
+
+/// The ways, by their first cell, of a sight with as much room at the sensor.
+pub(super) fn find(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64) -> Vec<Found> {
+    let (mut sets, mut of_cell) = (DisjointSets::default(), Vec::new());
+    let mut parts = components(sphere, reach_m, APART * room_m, &mut sets, &mut of_cell);
+    let is_on = |cells: &Vec<u32>| cells.iter().any(|cell| reach_m[*cell as usize] >= ON * room_m);
+    parts.retain(|cells| cells.len() >= LEAST_CELLS.min(sphere.rings().len()) && is_on(cells));
+    let mut stays = vec![0; parts.len()];
+    for radius in RADII {
+        let at = components(sphere, reach_m, radius * room_m, &mut sets, &mut of_cell).len();
+        // The component that each way is part of here, or falls into; more than one way in it, or none, does not stay.
+        let of_way: Vec<Vec<usize>> = parts
+            .iter()
+            .map(|cells| {
+                let mut within: Vec<usize> = cells.iter().filter_map(|cell| of_cell[*cell as usize]).collect();
+                within.sort_unstable();
+                within.dedup();
+                within
+            })
+            .collect();
+        let mut taken = vec![0; at];
+        of_way.iter().flatten().for_each(|part| taken[*part] += 1);
+        for (stays, of_way) in stays.iter_mut().zip(&of_way) {
+            *stays += usize::from(of_way.len() == 1 && taken[of_way[0]] == 1);
+        }
+    }
+    let known = parts.into_iter().zip(stays);
+    known.map(|(cells, stays)| Found { way: known_of(sphere, sight, reach_m, room_m, &cells, stays), cells }).collect()
+}
+
+/// The components of the cells in which the vehicle gets as far, and of each cell its component.
+fn components(
+    sphere: &Sphere,
+    reach_m: &[f64],
+    apart_m: f64,
+    sets: &mut DisjointSets,
+    of_cell: &mut Vec<Option<usize>>,
+) -> Vec<Vec<u32>> {
+    let is_open = |cell: usize| reach_m[cell] >= apart_m;
+    sets.reset(sphere.len());
+    for cell in (0..sphere.len()).filter(|cell| is_open(*cell)) {
+        let before = sphere.neighbours[cell].iter().map(|other| *other as usize).take_while(|other| *other < cell);
+        before.filter(|other| is_open(*other)).for_each(|other| sets.join(cell, other));
+    }
+    of_cell.clear();
+    of_cell.resize(sphere.len(), None);
+    let mut parts: Vec<Vec<u32>> = Vec::new();
+    for cell in (0..sphere.len()).filter(|cell| is_open(*cell)) {
+        // The root of a set is its smallest member.
+        let part = *of_cell[sets.root(cell)].get_or_insert(parts.len());
+        of_cell[cell] = Some(part);
+        if part == parts.len() {
+            parts.push(Vec::new());
+        }
+        parts[part].push(cell as u32);
+    }
+    parts
+}
+
+fn known_of(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64, cells: &[u32], stays: usize) -> Way {
+    let cells = || cells.iter().map(|cell| *cell as usize);
+    let at_m = 0.5 * (APART + ON) * room_m;
+    // Infinite where nothing is seen at all.
+    let clear_m = |cell: usize| clear_m(sight, &sphere.directions[cell].scale(at_m)).min(at_m);
+    let towards = cells().map(|cell| (clear_m(cell), sphere.directions[cell].into_inner()));
+    let (mut largest_m, mut sum) = (0.0_f64, Vector3::zeros());
+    for (clear_m, direction) in towards {
+        largest_m = largest_m.max(clear_m);
+        sum += direction * (clear_m * clear_m);
+    }
+    let nothing = cells().filter(|cell| sight.seen[*cell] == Seen::Nothing).count();
+    let is_beside_unknown =
+        |cell: usize| sphere.neighbours[cell].iter().any(|other| sight.seen[*other as usize] == Seen::Unknown);
+    let is_cut = cells().any(is_beside_unknown);
+    Way {
+        direction: sum.try_normalize(0.0).unwrap_or_else(Vector3::x),
+        clearance_m: 2.0 * largest_m,
+        reach_m: cells().map(|cell| reach_m[cell]).fold(0.0, f64::max),
+        p: RIGHT_SHARE[stays] * if is_cut { CUT_SHARE } else { 1.0 },
+        evidence: if 2 * nothing > cells().count() { Evidence::NoReturn } else { Evidence::SeenThrough },
+        cut_by_view: is_cut,
+    }
+}

@@ -1,0 +1,112 @@
+//! Preset `3d`: ways on of clouds, and of level scans, which have as many as walls.
+
+use crosscut_detector::{Detector, Preset, Settings};
+use crosscut_messages::Cloud;
+use crosscut_simulator::{Split, suites};
+use crosscut_stage::{Junction, WayKind};
+
+fn detector(preset: Preset) -> Detector {
+    Settings::new(preset).build().expect("the preset")
+}
+
+/// A level gallery, 4 m wide and 3.2 m high, with a raise of 2.4 m by 2.4 m above the sensor, as 128 x 512 beams see it that
+/// look from one elevation to another.
+fn under_a_raise(view_deg: [f64; 2]) -> Cloud {
+    let [low, high] = view_deg.map(f64::to_radians);
+    let point = |at: usize| {
+        let (ring, column) = ((at / 512) as f64, (at % 512) as f64);
+        let (up, out) = (low + (high - low) * (ring + 0.5) / 128.0).sin_cos();
+        let (sin, cos) = (column / 512.0 * std::f64::consts::TAU).sin_cos();
+        let towards = [out * cos, out * sin, up];
+        // From where on a beam is beyond two planes at this distance on both sides.
+        let leaves = |axis: usize, half_m: f64| half_m / towards[axis].abs().max(1e-9);
+        let in_gallery_m = leaves(1, 2.0).min(leaves(2, 1.6));
+        let in_raise_m = leaves(0, 1.2).min(leaves(1, 1.2));
+        let range_m = if up > 0.0 && in_raise_m > leaves(2, 1.6) { in_raise_m.max(in_gallery_m) } else { in_gallery_m };
+        if range_m < 40.0 { towards.map(|part| part * range_m) } else { [f64::NAN; 3] }
+    };
+    Cloud { points_m: (0..128 * 512).map(point).collect(), ..Cloud::default() }
+}
+
+fn answer(preset: Preset, cloud: &Cloud) -> Junction {
+    let mut detector = detector(preset);
+    let frame = detector
+        .detect_with(|sensor, frame| sensor.cloud(cloud, &mut frame.revolution, &mut frame.notes))
+        .expect("a cloud");
+    assert_eq!(frame.affinity.dual.is_some(), preset == Preset::ThreeD);
+    assert_eq!(frame.revolution.cloud_m.is_empty(), preset != Preset::ThreeD, "a cloud is kept where it is wanted");
+    frame.junction.clone()
+}
+
+fn kinds(junction: &Junction) -> Vec<WayKind> {
+    junction.ways.iter().flatten().map(crosscut_stage::Way::kind).collect()
+}
+
+#[test]
+fn a_raise_above_a_gallery_is_a_way_and_the_gallery_has_two_openings_and_two_walls() {
+    let cloud = under_a_raise([-90.0, 90.0]);
+    let found = answer(Preset::ThreeD, &cloud);
+    let mut of_kinds = kinds(&found);
+    of_kinds.sort_by_key(ToString::to_string);
+    assert_eq!(of_kinds, [WayKind::Level, WayKind::Level, WayKind::ShaftUp], "{:#?}", found.ways);
+    let ways = found.ways.as_ref().expect("ways");
+    let raise = ways.iter().find(|way| way.kind() == WayKind::ShaftUp).expect("a raise");
+    assert!((raise.clearance_m - 2.4).abs() < 0.4, "{raise:?}");
+    assert_eq!((found.openings.len(), found.junctions), (2, 2), "{:#?}", found.openings);
+    let bearings_rad = found.openings.iter().map(|opening| opening.bearing_rad.abs());
+    assert!(bearings_rad.clone().all(|rad| rad.min((rad - std::f64::consts::PI).abs()) < 0.15), "{:?}", found.openings);
+    let level = answer(Preset::Default, &cloud);
+    assert_eq!((level.ways, level.junctions), (None, 2));
+}
+
+#[test]
+fn a_sensor_that_cannot_see_up_says_how_far_it_sees() {
+    let cloud = under_a_raise([-15.0, 15.0]);
+    let mut detector = detector(Preset::ThreeD);
+    let frame = detector
+        .detect_with(|sensor, frame| sensor.cloud(&cloud, &mut frame.revolution, &mut frame.notes))
+        .expect("a cloud");
+    assert_eq!(kinds(&frame.junction), [WayKind::Level; 2]);
+    let [low_rad, high_rad] = frame.affinity.dual.as_ref().expect("directions").view_rad;
+    assert!((-0.36..=-0.2).contains(&low_rad) && (0.2..=0.36).contains(&high_rad), "{low_rad} to {high_rad}");
+}
+
+#[test]
+fn nothing_and_a_handful_of_points_have_an_answer() {
+    for points in [0, 1, 5, 60] {
+        let at = |i: usize| [2.0 * (i as f64).cos(), 2.0 * (i as f64).sin(), 0.1 * (i % 7) as f64];
+        let found = answer_of_any(&Cloud { points_m: (0..points).map(at).collect(), ..Cloud::default() });
+        assert!(found.ways.is_some_and(|ways| ways.iter().all(|way| way.direction.norm() > 0.99)));
+    }
+}
+
+fn answer_of_any(cloud: &Cloud) -> Junction {
+    let mut detector = detector(Preset::ThreeD);
+    let write = |sensor: &crosscut_sensor::Sensor, frame: &mut crosscut_stage::Frame| {
+        sensor.cloud(cloud, &mut frame.revolution, &mut frame.notes);
+    };
+    detector.detect_with(write).expect("few points are no error").junction.clone()
+}
+
+/// At clear places of level scans, which are those at which the ways stay by themselves at every distance and the answer of
+/// the default is sure.
+#[test]
+fn a_level_ring_has_as_many_ways_as_the_default_finds_openings() {
+    let (mut default, mut dual) = (detector(Preset::Default), detector(Preset::ThreeD));
+    let (mut same, mut clear, mut all) = (0, 0, 0);
+    for suite in suites().iter().filter(|suite| ["clean6", "clean35"].contains(&suite.name)) {
+        for scene in suite.scenes(Split::Dev).step_by(2) {
+            let wanted = default.detect(&scene.scan).expect("a scan").clone();
+            let found = dual.detect(&scene.scan).expect("a scan");
+            let ways = found.ways.as_ref().expect("ways");
+            all += 1;
+            let stays = ways.iter().all(|way| way.p >= 0.95);
+            if stays && wanted.confidence.is_some_and(|confidence| confidence >= 0.9) {
+                clear += 1;
+                same += usize::from(wanted.openings.len() == ways.len());
+            }
+        }
+    }
+    println!("{same} of {clear} clear places of {all} have the same count");
+    assert!(100 * same >= 99 * clear && 4 * clear >= all, "{same} of {clear} of {all}");
+}

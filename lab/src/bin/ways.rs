@@ -1,0 +1,276 @@
+//! How often the ways on of a 3D cloud are right, by places whose truth comes from a mesh alone (`crosscut_lab::solid`).
+//!
+//! ```text
+//! lab/run ways own 100 2                            networks of tubes, and a seed
+//! lab/run ways mesh 60 2 MINE.stl                   places in each mesh; those from which a beam leaves it are left out
+//! lab/run ways tiles 6 2 TILE.obj...                tiles whose passages are cut off at the end, in feet
+//! ```
+//!
+//! An answer is right if it has as many ways as are true, and for each of these one within 20° whose clearance is within
+//! 30 %. Of lidars that do not look everywhere, the true ways are those in view, and places are left out at which one lies
+//! within 8° of the edge of the view.
+
+use std::path::Path;
+use std::time::Instant;
+
+use anyhow::Context;
+use crosscut_affinity::directions::Sky;
+use crosscut_detector::{Detector, Preset, Settings};
+use crosscut_lab::solid::lidar::Lidar;
+use crosscut_lab::solid::mesh::Mesh;
+use crosscut_lab::solid::random::Random;
+use crosscut_lab::solid::truth::{RADII, Space, TrueWay};
+use crosscut_lab::solid::tubes::Network;
+use crosscut_messages::Cloud;
+use crosscut_stage::Way;
+use nalgebra::{Point3, Rotation3, Vector3};
+
+/// Diameter of the vehicle's ball.
+const BALL_M: f64 = 0.6;
+const VOXEL_M: f64 = 0.2;
+const EDGE_DEG: f64 = 8.0;
+const MOST_OFF_DEG: f64 = 20.0;
+const TILT_DEG: f64 = 15.0;
+/// A shaft is steeper than that of `Way::kind`, degrees.
+const SHAFT_DEG: f64 = 50.0;
+
+struct Place {
+    place_m: Point3<f64>,
+    ways: Vec<TrueWay>,
+}
+
+/// An answer: of each way its direction, its clearance, and how sure it is.
+type Answer = Vec<(Vector3<f64>, f64, f64)>;
+
+/// Clear places of a mesh, and how many were not.
+fn places(mesh: &Mesh, count: usize, most_leave: usize, random: &mut Random) -> (Vec<Place>, usize) {
+    let space = Space::new(mesh, VOXEL_M);
+    let (mut found, mut unclear) = (Vec::new(), 0);
+    for _ in 0..2_000_000 {
+        if found.len() == count {
+            break;
+        }
+        let place_m = space.place_m(random.below(space.count()));
+        let clear_m = space.clear_m(&place_m);
+        if !(0.4..10.0).contains(&clear_m) {
+            continue;
+        }
+        let leaves = |at: &i32| {
+            let z = 1.0 - (f64::from(*at) + 0.5) / 100.0;
+            let (sin, cos) = (f64::from(*at) * 2.399_963).sin_cos();
+            let out = (1.0 - z * z).sqrt();
+            mesh.range_m(&place_m, &Vector3::new(out * cos, out * sin, z)).is_infinite()
+        };
+        if (0..200).filter(leaves).count() > most_leave {
+            continue;
+        }
+        // Where flights come by: not much nearer to a wall than to the middle.
+        let room_m = space.room_m(&place_m);
+        if clear_m < 0.7 * room_m || room_m < 0.6 {
+            continue;
+        }
+        let mut at = space.ways(&place_m, 0.5 * BALL_M, &RADII.map(|radii| radii * room_m));
+        if at.iter().all(|ways| ways.len() == at[0].len()) && !at[0].is_empty() {
+            found.push(Place { place_m, ways: at.swap_remove(RADII.len() / 2) });
+        } else {
+            unclear += 1;
+        }
+    }
+    (found, unclear)
+}
+
+/// The components of far cells at one radius: 5° cells whose mean range is 2.5 times the least.
+fn at_one_radius(cloud_m: &[Point3<f64>]) -> Answer {
+    const COLUMNS: usize = 72;
+    const ROWS: usize = 36;
+    let mut cells = vec![(0.0, 0.0); COLUMNS * ROWS];
+    for point_m in cloud_m.iter().filter(|point_m| point_m.coords.norm() > 0.5 * BALL_M) {
+        let range_m = point_m.coords.norm();
+        let row = ((point_m.z / range_m).clamp(-1.0, 1.0).asin() / std::f64::consts::PI + 0.5) * ROWS as f64;
+        let column = (point_m.y.atan2(point_m.x) / std::f64::consts::TAU + 0.5) * COLUMNS as f64;
+        let cell = &mut cells[(row as usize).min(ROWS - 1) * COLUMNS + (column as usize).min(COLUMNS - 1)];
+        *cell = (cell.0 + range_m, cell.1 + 1.0);
+    }
+    let means_m: Vec<f64> = cells.iter().map(|(sum_m, count)| if *count > 0.0 { sum_m / count } else { 0.0 }).collect();
+    let least_m = means_m.iter().copied().filter(|mean_m| *mean_m > 0.0).fold(f64::INFINITY, f64::min);
+    let mut open: Vec<bool> = means_m.iter().map(|mean_m| *mean_m > 2.5 * least_m).collect();
+    let mut answer = Vec::new();
+    for first in 0..open.len() {
+        let (mut part, mut at) = (vec![first], 0);
+        while let Some(&cell) = part.get(at) {
+            at += 1;
+            if !std::mem::take(&mut open[cell]) {
+                continue;
+            }
+            let (row, column) = (cell / COLUMNS, cell % COLUMNS);
+            part.extend([row * COLUMNS + (column + 1) % COLUMNS, row * COLUMNS + (column + COLUMNS - 1) % COLUMNS]);
+            part.extend([cell.wrapping_sub(COLUMNS), cell + COLUMNS].into_iter().filter(|cell| *cell < COLUMNS * ROWS));
+        }
+        let towards = |cell: &usize| {
+            let elevation_rad = ((*cell / COLUMNS) as f64 + 0.5) / ROWS as f64 * std::f64::consts::PI;
+            let bearing_rad = ((*cell % COLUMNS) as f64 + 0.5) / COLUMNS as f64 * std::f64::consts::TAU;
+            let (down, out) = (elevation_rad.cos(), elevation_rad.sin());
+            Vector3::new(-out * bearing_rad.cos(), -out * bearing_rad.sin(), -down)
+        };
+        if part.len() > 12 {
+            let sum: Vector3<f64> = part.iter().map(towards).sum();
+            answer.push((sum.normalize(), f64::NAN, 0.0));
+        }
+    }
+    answer
+}
+
+fn of_ways<'a>(ways: impl IntoIterator<Item = &'a Way>) -> Answer {
+    ways.into_iter().map(|way| (way.direction, way.clearance_m, way.p)).collect()
+}
+
+/// Whether the count is right, and whether directions and clearances are as well.
+fn is_right(truth: &[&TrueWay], answer: &Answer) -> [bool; 2] {
+    let fits = |way: &TrueWay, (direction, clearance_m, _): &(Vector3<f64>, f64, f64)| {
+        direction.dot(&way.direction) > MOST_OFF_DEG.to_radians().cos()
+            && (clearance_m / way.clearance_m - 1.0).abs() <= 0.3
+    };
+    let count = truth.len() == answer.len();
+    let each = truth.iter().all(|way| answer.iter().filter(|found| fits(way, found)).count() == 1);
+    [count, count && each]
+}
+
+#[derive(Default)]
+struct Figures {
+    places: usize,
+    count: [usize; 3],
+    right: [usize; 3],
+    sure: [usize; 2],
+    shafts: [usize; 2],
+    by_p: std::collections::BTreeMap<u64, [usize; 2]>,
+    ms: f64,
+}
+
+impl Figures {
+    fn row(&self, name: &str) -> String {
+        let share = |of: usize, all: usize| {
+            if all == 0 { "-".to_owned() } else { format!("{:.0} %", 100.0 * of as f64 / all as f64) }
+        };
+        let of_places = |of: usize| share(of, self.places);
+        let [level, radius, dual] = self.count.map(of_places);
+        format!(
+            "| {name} | {} | {level} | {radius} | {dual} | {} | {} | {} of {} | {:.1} |",
+            self.places,
+            of_places(self.right[2]),
+            share(self.sure[0], self.sure[1]),
+            self.shafts[0],
+            self.shafts[1],
+            self.ms / self.places.max(1) as f64,
+        )
+    }
+}
+
+fn measure(
+    lidar: Lidar,
+    tilt_deg: f64,
+    all: &[(Mesh, Vec<Place>)],
+    level: &mut Detector,
+    seed: u64,
+) -> anyhow::Result<Figures> {
+    let (mut figures, mut sky, mut random) = (Figures::default(), Sky::default(), Random::new(seed));
+    let [low_deg, high_deg] = lidar.view_deg();
+    for (mesh, places) in all {
+        for Place { place_m, ways } in places {
+            let bearing_rad = random.between(-3.14, 3.14);
+            let axis = nalgebra::Unit::new_unchecked(Vector3::new(bearing_rad.cos(), bearing_rad.sin(), 0.0));
+            let turned = Rotation3::from_axis_angle(&axis, tilt_deg.to_radians());
+            let seen: Vec<TrueWay> =
+                ways.iter().map(|way| TrueWay { direction: turned.inverse() * way.direction, ..*way }).collect();
+            let elevation_deg = |way: &TrueWay| way.direction.z.asin().to_degrees();
+            let at_edge =
+                |way: &TrueWay| [low_deg, high_deg].iter().any(|edge| (elevation_deg(way) - edge).abs() < EDGE_DEG);
+            if lidar != Lidar::Full && seen.iter().any(at_edge) {
+                continue;
+            }
+            let truth: Vec<&TrueWay> =
+                seen.iter().filter(|way| (low_deg..=high_deg).contains(&elevation_deg(way))).collect();
+            let cloud_m = lidar.cloud_m(mesh, place_m, &turned, &mut random);
+            let started = Instant::now();
+            sky.look(&cloud_m, BALL_M);
+            let found = of_ways(sky.ways().iter().map(|found| &found.way));
+            figures.ms += started.elapsed().as_secs_f64() * 1e3;
+            let message = Cloud {
+                points_m: cloud_m.iter().map(|point| [point.x, point.y, point.z]).collect(),
+                ..Cloud::default()
+            };
+            let frame =
+                level.detect_with(|sensor, frame| sensor.cloud(&message, &mut frame.revolution, &mut frame.notes))?;
+            let openings = frame.junction.openings.iter();
+            let sliced =
+                openings.map(|o| (Vector3::new(o.bearing_rad.cos(), o.bearing_rad.sin(), 0.0), o.width_m, 0.0));
+            let answers = [sliced.collect(), at_one_radius(&cloud_m), found];
+            figures.places += 1;
+            for (at, answer) in answers.iter().enumerate() {
+                let [count, right] = is_right(&truth, answer);
+                figures.count[at] += usize::from(count);
+                figures.right[at] += usize::from(right);
+            }
+            let [count, _] = is_right(&truth, &answers[2]);
+            let least = answers[2].iter().map(|(.., p)| *p).fold(1.0, f64::min);
+            let of_p = figures.by_p.entry((100.0 * least) as u64).or_default();
+            (of_p[0], of_p[1]) = (of_p[0] + usize::from(count), of_p[1] + 1);
+            if least >= 0.9 {
+                figures.sure = [figures.sure[0] + usize::from(count), figures.sure[1] + 1];
+            }
+            for (way, of_mesh) in
+                seen.iter().zip(ways).filter(|(way, _)| (low_deg..=high_deg).contains(&elevation_deg(way)))
+            {
+                if elevation_deg(of_mesh).abs() > SHAFT_DEG {
+                    let is_found =
+                        answers[2].iter().any(|(d, ..)| d.dot(&way.direction) > MOST_OFF_DEG.to_radians().cos());
+                    figures.shafts = [figures.shafts[0] + usize::from(is_found), figures.shafts[1] + 1];
+                }
+            }
+        }
+    }
+    Ok(figures)
+}
+
+fn main() -> anyhow::Result<()> {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let usage = "ways own|mesh|tiles COUNT SEED [MESH...]";
+    let [set, count, seed] = args.first_chunk().context(usage)?;
+    let (count, seed): (usize, u64) = (count.parse().context(usage)?, seed.parse().context(usage)?);
+    let mut random = Random::new(seed);
+    let (mut all, mut unclear) = (Vec::new(), 0);
+    let mut add = |mesh: Mesh, count: usize, most_leave: usize| {
+        let (found, not) = places(&mesh, count, most_leave, &mut random);
+        unclear += not;
+        all.push((mesh, found));
+    };
+    match set.as_str() {
+        "own" => (0..count.div_ceil(5) as u64).for_each(|world| add(Network::new(1000 * seed + world).mesh(), 5, 0)),
+        "mesh" => args[3..].iter().try_for_each(|path| anyhow::Ok(add(Mesh::read(Path::new(path), 1.0)?, count, 0)))?,
+        "tiles" => {
+            args[3..].iter().try_for_each(|path| anyhow::Ok(add(Mesh::read(Path::new(path), 0.3048)?, count, 40)))?
+        }
+        _ => anyhow::bail!(usage),
+    }
+    let found: usize = all.iter().map(|(_, places)| places.len()).sum();
+    let mut by_ways = [0; 6];
+    all.iter().flat_map(|(_, places)| places).for_each(|place| by_ways[place.ways.len().min(5)] += 1);
+    println!("{found} clear places, {unclear} left out; with 1, 2, 3, 4, more ways: {:?}\n", &by_ways[1..]);
+    println!(
+        "| lidar | places | level slice | one radius | directions | also direction, width | sure, right | shafts | ms |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|");
+    let mut level = Settings::new(Preset::Default).build()?;
+    let mut by_p = std::collections::BTreeMap::<u64, [usize; 2]>::new();
+    for lidar in Lidar::ALL {
+        let figures = measure(lidar, 0.0, &all, &mut level, seed)?;
+        println!("{}", figures.row(lidar.name()));
+        for (p, of) in figures.by_p {
+            let sum = by_p.entry(p).or_default();
+            *sum = [sum[0] + of[0], sum[1] + of[1]];
+        }
+    }
+    let tilted = measure(Lidar::Full, TILT_DEG, &all, &mut level, seed)?;
+    println!("{}", tilted.row(&format!("{}, tilted by {TILT_DEG}°", Lidar::Full.name())));
+    eprintln!("right of answers by their least p in %: {by_p:?}");
+    Ok(())
+}

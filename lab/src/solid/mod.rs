@@ -1,0 +1,7 @@
+//! Places in three dimensions with a truth that comes from a mesh alone.
+
+pub mod lidar;
+pub mod mesh;
+pub mod random;
+pub mod truth;
+pub mod tubes;
