@@ -1,6 +1,5 @@
 //! What a planner knows: the places of the map, their ways, and which of them are new.
 
-use std::f64::consts::PI;
 
 use nalgebra::Point2;
 
