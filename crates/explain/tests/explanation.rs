@@ -333,11 +333,11 @@ fn verdicts_closest_to_the_threshold_come_first() {
     assert_eq!(
         reported,
         [
-            "- an opening between 0 (grey) and 1 (grey) (returns 3, 4: 3.00 m): **1.10** times the room that an opening needs (width), \
+            "- an opening between wall 0 (grey) and wall 1 (grey) (returns 3, 4: 3.00 m): **1.10** times the room that an opening needs (width), \
              p = 0.25, overruled by the rule",
-            "- the wall continues in 0 (grey) (returns 2, 3: 1.50 m): **0.80** times the room that an opening needs (width), p = 0.25",
-            "- the wall continues in 0 (grey) (returns 0, 1: 1.00 m): **0.01** times the room that an opening needs (width), p = 0.25",
-            "- the wall continues in 0 (grey) (returns 1, 2: 1.00 m): **what is seen on its two sides leaves 0.35 m; the vehicle needs 0.60 m** \
+            "- the wall continues in wall 0 (grey) (returns 2, 3: 1.50 m): **0.80** times the room that an opening needs (width), p = 0.25",
+            "- the wall continues in wall 0 (grey) (returns 0, 1: 1.00 m): **0.01** times the room that an opening needs (width), p = 0.25",
+            "- the wall continues in wall 0 (grey) (returns 1, 2: 1.00 m): **what is seen on its two sides leaves 0.35 m; the vehicle needs 0.60 m** \
              (a slit; 0.00), p = 0.25",
         ]
     );

@@ -1,6 +1,5 @@
 //! What a planner knows: the places of the map, their ways, and which of them are new.
 
-
 use nalgebra::Point2;
 
 use crosscut_flight::HereKind;

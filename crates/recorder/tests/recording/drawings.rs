@@ -64,7 +64,9 @@ pub(crate) fn comparison(entity: &str, component: &str) -> Option<fn(&Value, &Fr
                 .iter())
         },
         ("/scan/links", "LineStrips3D:strips") => |value, frame| lines(value) == links(frame),
-        ("/scan/links", "LineStrips3D:colors") => |value, frame| wholes(value).len() == links(frame).len(),
+        ("/scan/links", "LineStrips3D:colors" | "Points3D:colors") => {
+            |value, frame| wholes(value).len() == links(frame).len()
+        }
         ("/scan/links", "Points3D:positions") => |value, frame| points(value).len() == links(frame).len(),
         ("/scan/links", "Points3D:labels") => |value, frame| {
             let [nearest, others @ ..] = texts(value) else { return links(frame).is_empty() };
