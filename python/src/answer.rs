@@ -51,7 +51,7 @@ impl Answer {
     /// As a `crosscut.Result`.
     pub(crate) fn into_result<'py>(self, py: Python<'py>, keep: Keep, kept: Kept) -> PyResult<Bound<'py, PyAny>> {
         let Self { line, eigenvalues, clusters, w, u, markers, timings_ms } = self;
-        let [result, wall, opening, _, _, _, of_pose] = classes(py)?;
+        let [result, wall, opening, _, _, _, of_pose, of_way] = classes(py)?;
         let walls = line.walls.iter().map(|of| {
             let w = &of.wall;
             wall.call1((w.id, w.returns, (w.bearing_rad[0], w.bearing_rad[1]), w.island, of.nearest_m, of.nearest_rad))
@@ -111,6 +111,24 @@ impl Answer {
         fields.set_item(intern!(py, "steady"), line.steady.map(|steady| of_steady(py, steady)).transpose()?)?;
         let pose = line.pose.map(|pose| of_pose.call1((pose.x_m, pose.y_m, pose.yaw_rad, pose.sd_m)));
         fields.set_item(intern!(py, "pose"), pose.transpose()?)?;
+        let ways = line.ways.map(|ways| {
+            let ways = ways.into_iter().map(|way| {
+                let direction: (f64, f64, f64) = way.direction.into();
+                of_way.call1((
+                    direction,
+                    way.bearing_rad,
+                    way.elevation_rad,
+                    way.clearance_m,
+                    way.kind,
+                    way.p,
+                    way.evidence,
+                    way.cut_by_view,
+                ))
+            });
+            PyTuple::new(py, ways.collect::<PyResult<Vec<_>>>()?)
+        });
+        fields.set_item(intern!(py, "ways"), ways.transpose()?)?;
+        fields.set_item(intern!(py, "ways_view_rad"), line.ways_view_rad.map(|[low, high]| (low, high)))?;
         fields.set_item(intern!(py, "W"), weights.filter(|_| keep.w))?;
         fields.set_item(intern!(py, "L"), laplacian)?;
         fields.set_item(intern!(py, "U"), u.map(|u| arrays::embedding(py, &u)).transpose()?)?;
@@ -128,7 +146,7 @@ fn of_here(py: Python<'_>, here: HereLine) -> PyResult<Bound<'_, PyAny>> {
 
 /// As a `crosscut.Steady`.
 fn of_steady(py: Python<'_>, steady: SteadyLine) -> PyResult<Bound<'_, PyAny>> {
-    let [_, _, _, _, of_steady, followed, _] = classes(py)?;
+    let [_, _, _, _, of_steady, followed, ..] = classes(py)?;
     let openings = steady.openings.iter().map(|o| followed.call1((o.track, o.bearing_rad, o.width_m)));
     let openings = PyTuple::new(py, openings.collect::<PyResult<Vec<_>>>()?)?;
     let here = steady.here.map(|here| self::of_here(py, here)).transpose()?;
@@ -136,8 +154,8 @@ fn of_steady(py: Python<'_>, steady: SteadyLine) -> PyResult<Bound<'_, PyAny>> {
 }
 
 /// The classes of a result and of its parts.
-fn classes(py: Python<'_>) -> PyResult<[&Bound<'_, PyType>; 7]> {
-    static CLASSES: [(&str, PyOnceLock<Py<PyType>>); 7] = [
+fn classes(py: Python<'_>) -> PyResult<[&Bound<'_, PyType>; 8]> {
+    static CLASSES: [(&str, PyOnceLock<Py<PyType>>); 8] = [
         ("Result", PyOnceLock::new()),
         ("Wall", PyOnceLock::new()),
         ("Opening", PyOnceLock::new()),
@@ -145,8 +163,9 @@ fn classes(py: Python<'_>) -> PyResult<[&Bound<'_, PyType>; 7]> {
         ("Steady", PyOnceLock::new()),
         ("FollowedOpening", PyOnceLock::new()),
         ("Pose", PyOnceLock::new()),
+        ("WayOn", PyOnceLock::new()),
     ];
-    let [result, wall, opening, here, steady, followed, pose] = &CLASSES;
+    let [result, wall, opening, here, steady, followed, pose, way] = &CLASSES;
     let import = |(name, class): &'static (&str, PyOnceLock<Py<PyType>>)| class.import(py, "crosscut._results", name);
     Ok([
         import(result)?,
@@ -156,5 +175,6 @@ fn classes(py: Python<'_>) -> PyResult<[&Bound<'_, PyType>; 7]> {
         import(steady)?,
         import(followed)?,
         import(pose)?,
+        import(way)?,
     ])
 }

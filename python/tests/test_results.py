@@ -120,6 +120,18 @@ def test_points_are_a_cloud() -> None:
     assert crosscut.Engine("paper").process(np.column_stack([points, np.zeros(40)])) == result
 
 
+def test_a_tunnel_seen_all_around_has_two_level_ways() -> None:
+    along_m, around_rad = np.meshgrid(np.linspace(-30, 30, 600), np.linspace(-np.pi, np.pi, 60, endpoint=False))
+    points = np.stack([along_m, 2 * np.cos(around_rad), 2 * np.sin(around_rad)], axis=-1).reshape(-1, 3)
+    result = crosscut.Engine("3d").process(points)
+    assert result.ways is not None
+    assert [way.kind for way in result.ways] == ["level", "level"]
+    line = result.to_dict()
+    assert (line["ways_flyer"], line["ways_ground"]) == (2, 2)
+    assert crosscut.Engine().process(points).ways is None
+
+
+
 def test_an_empty_scan_has_an_answer() -> None:
     for scan in (crosscut.Scan([], 0.0, 0.1), crosscut.Scan([np.inf] * 60, 0.0, 0.1), np.zeros((0, 2))):
         assert crosscut.Engine(keep=("W", "U", "L")).process(scan).junctions == 0

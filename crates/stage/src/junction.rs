@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Known, KnownGaps, Point, Way};
+use crate::{Evidence, Known, KnownGaps, Point, Way};
 
 /// Answers of at least this confidence are called sure.
 pub const SURE: f64 = 0.9;
@@ -102,24 +102,6 @@ impl Opening {
     pub fn range_m(&self) -> f64 {
         let [from_m, to_m] = self.edge_m.map(|end_m| end_m.coords.norm());
         from_m.min(to_m)
-    }
-}
-
-/// Why an opening is believed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Evidence {
-    /// A wall farther away is seen past the edge of a nearer one.
-    SeenThrough,
-    /// Beams in its direction came back with nothing.
-    NoReturn,
-}
-
-impl fmt::Display for Evidence {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::SeenThrough => "seen_through",
-            Self::NoReturn => "no_return",
-        })
     }
 }
 

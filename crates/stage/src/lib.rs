@@ -15,6 +15,7 @@
 
 mod affinity;
 mod disjoint_sets;
+mod evidence;
 mod extra;
 mod frame;
 mod invariance;
@@ -34,10 +35,11 @@ mod way;
 
 pub use affinity::{Affinity, Csr, Measured, Verdict, Weights};
 pub use disjoint_sets::DisjointSets;
+pub use evidence::Evidence;
 pub use extra::Extra;
 pub use frame::{Failure, FailureCause, Frame, Step, Timings};
 pub use invariance::Invariance;
-pub use junction::{Evidence, Junction, Opening, Place, SURE, Wall, junction_of};
+pub use junction::{Junction, Opening, Place, SURE, Wall, junction_of};
 pub use kind::{AffinityProperties, Eigenvalues, Kind, SpectralProperties, StageKind};
 pub use known::{Known, KnownGaps};
 pub use notes::{NOTES_PAGE, NoteCode, Notes, counted};

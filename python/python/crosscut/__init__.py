@@ -25,7 +25,7 @@ from ._native import Scan, __version__
 from ._navigator import Command, Navigator
 from ._program import compare, report, run, view
 from ._recorder import Recorder, show
-from ._results import FollowedOpening, Here, Opening, Pose, Result, Steady, Wall, results
+from ._results import FollowedOpening, Here, Opening, Pose, Result, Steady, Wall, WayOn, results
 
 if TYPE_CHECKING:
     from . import live, ray, sklearn, testing
@@ -64,6 +64,7 @@ __all__ = [
     "StageError",
     "Steady",
     "Wall",
+    "WayOn",
     "__version__",
     "compare",
     "count",

@@ -102,6 +102,27 @@ class Pose(NamedTuple):
     """Standard deviation of the position in the direction in which it is known least, metres; None where it is not known."""
 
 
+class WayOn(NamedTuple):
+    """A way on in three dimensions, of preset ``3d``."""
+
+    direction: tuple[float, float, float]
+    """Towards it, in the body frame: a unit vector."""
+    bearing_rad: float
+    """Its bearing, anticlockwise from straight ahead."""
+    elevation_rad: float
+    """Its elevation, up is positive."""
+    clearance_m: float
+    """Diameter of the largest ball that passes, metres."""
+    kind: str
+    """``level``, ``ramp_up``, ``ramp_down``, ``shaft_up`` or ``shaft_down``."""
+    p: float
+    """Probability that it is one."""
+    evidence: str
+    """``seen_through`` or ``no_return``."""
+    cut_by_view: bool
+    """It goes on beyond what the sensor looks at: direction and clearance are those of the part in view."""
+
+
 @dataclasses.dataclass(frozen=True, eq=False)
 class Result:
     """The answer for one scan. Two results are equal if all but their timings are.
@@ -149,6 +170,10 @@ class Result:
     """The answer over the last scans; of scans that a :class:`Flight` processed."""
     pose: Pose | None = None
     """Where the scan was taken; of scans that a :class:`Flight` processed."""
+    ways: tuple[WayOn, ...] | None = None
+    """The ways on in three dimensions, by bearing ascending; None but with preset ``3d``."""
+    ways_view_rad: tuple[float, float] | None = None
+    """The elevations between which the sensor looks: of ways beyond them, nothing is known. None but with preset ``3d``."""
     W: Any = dataclasses.field(default=None, repr=False)
     """The affinity matrix (n, n), an array or a ``scipy.sparse.csr_array``; with ``keep=("W",)``."""
     L: Any = dataclasses.field(default=None, repr=False)
@@ -191,7 +216,7 @@ class Result:
 
     def to_dict(self) -> dict[str, Any]:
         """As the line of results that the program writes: plain numbers, lists and texts, for ``json.dumps``."""
-        return {
+        line: dict[str, Any] = {
             "seq": self.seq,
             "stamp_ns": self.stamp_ns,
             "returns": self.returns,
@@ -216,6 +241,12 @@ class Result:
             "labels": self.labels.tolist(),
             "notes": list(self.notes),
         }
+        if self.ways is not None and self.ways_view_rad is not None:
+            line["ways"] = [way._asdict() | {"direction": list(way.direction)} for way in self.ways]
+            line["ways_flyer"] = len(self.ways)
+            line["ways_ground"] = sum(not way.kind.startswith("shaft") for way in self.ways)
+            line["ways_view_rad"] = list(self.ways_view_rad)
+        return line
 
 
 def _here(here: Here | None) -> dict[str, Any] | None:
