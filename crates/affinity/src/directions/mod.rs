@@ -11,8 +11,8 @@
 //! 2. **Room.** R is the radius of the largest ball that holds no return and whose centre lies in the one about the sensor.
 //! 3. **Reach.** F(e) is how far the vehicle's ball, of radius r, gets straight on in direction e: the least p·e - √(r² - |p -
 //!    (p·e) e|²) over the returns p that are nearer than r to the ray.
-//! 4. **Cut.** Nodes are the cells with F(e) >= 2.25 R; W_ij = exp(-σ |e_i - e_j|²) between cells that touch, 0 otherwise, W_ii =
-//!    1. The components are the ways, if one of their cells has F(e) >= 2.475 R. Rock that reaches between two ways nearer than
+//! 4. **Cut.** Nodes are the cells with F(e) >= 2.25 R; W_ij = exp(-σ |e_i - e_j|²) between cells that touch, 0 otherwise, and
+//!    W_ii = 1. The components are the ways, if one of their cells has F(e) >= 2.475 R. Rock that reaches between two ways nearer than
 //!    2.25 R tells them apart, and a recess that is not as deep is none.
 //! 5. **What stays.** p of a way is the share of right answers, on development seeds, whose least way stays by itself at as many of
 //!    five distances from 1.75 to 2.75 R; less where the view cuts it.

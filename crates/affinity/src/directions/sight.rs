@@ -46,7 +46,7 @@ impl Sight {
                 starts[cell + 2] += 1;
                 cells.push(cell as u32);
             } else {
-                hidden.get_mut(cell).map(|count| *count += 1);
+                hidden.get_mut(cell).into_iter().for_each(|count| *count += 1);
                 cells.push(u32::MAX);
             }
         }
