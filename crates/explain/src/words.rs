@@ -51,6 +51,15 @@ impl Words<'_> {
     fn count(&self) -> String {
         let (k, junction) = (self.frame.spectrum.k, &self.frame.junction);
         let place = junction.place.words();
+        if let Some(ways) = &junction.ways {
+            let rows = self.frame.affinity.degrees.len();
+            let lines: Vec<String> = ways.iter().map(|way| format!("- {}, p = {:.2}", way.words(), way.p)).collect();
+            return format!(
+                "k = {k} zeros of L, whose rows are {rows} directions in which the vehicle gets on: each component is a way on. Walls \
+                 and place ({place}) are those of the level view.\n{}",
+                lines.join("\n")
+            );
+        }
         let mut text = format!(
             "Place: {place}{}. k = {k} zeros of L, {}.",
             self.place_against_count(),

@@ -141,6 +141,7 @@ impl Absent {
         let reason = match has_matrices {
             false => "Not recorded (recording.detail=light)".to_owned(),
             true if n == 0 => "The scan has no return".to_owned(),
+            true if frame.affinity.dual.is_some() => format!("Rows are {n} directions, not returns: no picture"),
             true if !is_drawn(frame) => format!("{n} returns: pictures are made up to {LARGEST_SIDE}"),
             true => String::new(),
         };
@@ -157,7 +158,8 @@ impl Absent {
 /// Whether W and L of this revolution are drawn.
 pub(crate) fn is_drawn(frame: &Frame) -> bool {
     let n = frame.affinity.weights.n();
-    (1..=LARGEST_SIDE).contains(&n) && frame.affinity.degrees.len() == n && frame.revolution.len() == n
+    let is_of_returns = frame.affinity.dual.is_none() && frame.revolution.len() == n;
+    (1..=LARGEST_SIDE).contains(&n) && frame.affinity.degrees.len() == n && is_of_returns
 }
 
 /// Levels of values: decades above 1e-16, rounded, without a logarithm for each value.

@@ -27,7 +27,7 @@ impl Notes {
     fn new_of(&mut self, frame: &Frame) -> Vec<String> {
         let mut notes = frame.notes.coded().to_vec();
         let n = frame.affinity.weights.n();
-        if n > 0 && !is_drawn(frame) {
+        if n > 0 && frame.affinity.dual.is_none() && !is_drawn(frame) {
             notes.push((N099, format!("no picture of W and L: {n} returns, pictures are made up to {LARGEST_SIDE}")));
         }
         let codes = notes.iter().map(|(code, _)| *code).collect();

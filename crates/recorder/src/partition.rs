@@ -59,7 +59,7 @@ fn log_labels(rows: &mut Rows, partition: &Partition, order: &BeamOrder, classes
 /// be seen.
 pub(crate) fn log_blocks(rows: &mut Rows, frame: &Frame, order: &BeamOrder, classes: &Classes) {
     let large = |&&(class, from, to): &&(u16, usize, usize)| {
-        class != NO_WALL && (to - from) as f64 >= BLOCK_SHARE * order.used as f64
+        class != NO_WALL && frame.affinity.dual.is_none() && (to - from) as f64 >= BLOCK_SHARE * order.used as f64
     };
     let is_sparse = matches!(frame.affinity.weights, Weights::Sparse(_));
     let runs = runs(&classes.returns, &order.places);

@@ -150,8 +150,11 @@ fn number_of_walls(frame: &Frame) -> usize {
     last.map_or(0, |&last| last as usize + 1).max(frame.junction.walls.len())
 }
 
-/// The wall that most returns of each cluster belong to; `None` if most belong to none.
+/// The wall that most returns of each cluster belong to; `None` if most belong to none, or the cluster is one of directions.
 fn walls_of_clusters(frame: &Frame) -> Vec<Option<usize>> {
+    if frame.affinity.dual.is_some() {
+        return vec![None; frame.partition.clusters];
+    }
     let none = number_of_walls(frame);
     let returns = frame.partition.labels.iter().zip(&frame.junction.wall_of_return);
     let of_cluster =
