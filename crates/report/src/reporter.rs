@@ -12,6 +12,9 @@ use crate::openings::{self, OpeningRule};
 use crate::wall_ring::WallRing;
 use crate::{confidence, doorway, islands, known, odds, place, walls, ways};
 
+/// The confidence of an answer without any way on: a closed place, or a sensor that the vehicle covers.
+const OF_NO_WAY: f64 = 0.5;
+
 const MIN_RETURNS: Count = Count::new("min_returns", "returns", 1)
     .from(1)
     .to(1_000_000)
@@ -89,8 +92,10 @@ impl Reporter {
             let found = ways::of_clusters(dual, partition)?;
             let (verdicts, partition) = ways::level(&found, dual, revolution, revolution.beams(), self.vehicle_width_m);
             self.walls(revolution, &verdicts, spectrum, &partition, out, notes)?;
-            // The count is as right as the most doubtful way.
-            out.confidence = out.confidence.and(Some(found.iter().map(|way| way.p).fold(1.0, f64::min)));
+            // The count is as right as the most doubtful way. That there is none, a sensor that is covered tells as well.
+            let least = found.iter().map(|way| way.p).reduce(f64::min);
+            let of_none = if dual.cut_m > 0.0 { OF_NO_WAY } else { 0.0 };
+            out.confidence = out.confidence.map(|_| least.unwrap_or(of_none));
             out.ways = Some(found);
             return Ok(());
         }

@@ -20,6 +20,11 @@ const RIGHT_SHARE: [f64; RADII.len() + 1] = [0.4, 0.4, 0.5, 0.6, 0.85, 0.98];
 /// And as much of it where the view cuts a way.
 const CUT_SHARE: f64 = 0.87;
 
+/// The mean of the unit vectors to the cells of one way, weighted by the room there, is at least as long: an arc of less than
+/// half a turn. What is wider, as in a place that is wide for its height, may be several ways: then the odds are these.
+const ONE_WAY: f64 = 0.7;
+const WIDE_ODDS: f64 = 0.3;
+
 /// A way, and its cells, ascending.
 #[derive(Clone, Debug)]
 pub struct Found {
@@ -93,20 +98,25 @@ fn known_of(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64, cells:
     // Infinite where nothing is seen at all.
     let clear_m = |cell: usize| clear_m(sight, &sphere.directions[cell].scale(at_m)).min(at_m);
     let towards = cells().map(|cell| (clear_m(cell), sphere.directions[cell].into_inner()));
-    let (mut largest_m, mut sum) = (0.0_f64, Vector3::zeros());
+    let (mut largest_m, mut sum, mut weights) = (0.0_f64, Vector3::zeros(), 0.0);
     for (clear_m, direction) in towards {
         largest_m = largest_m.max(clear_m);
         sum += direction * (clear_m * clear_m);
+        weights += clear_m * clear_m;
     }
     let nothing = cells().filter(|cell| sight.seen[*cell] == Seen::Nothing).count();
     let is_beside_unknown =
         |cell: usize| sphere.neighbours[cell].iter().any(|other| sight.seen[*other as usize] == Seen::Unknown);
     let is_cut = cells().any(is_beside_unknown);
+    let is_wide = sum.norm() < ONE_WAY * weights;
+    let farthest = cells().max_by(|a, b| reach_m[*a].total_cmp(&reach_m[*b]).then(b.cmp(a)));
+    let of_farthest = farthest.filter(|_| is_wide).map(|cell| sphere.directions[cell].into_inner());
+    let odds = if is_wide { WIDE_ODDS } else { RIGHT_SHARE[stays] };
     Way {
-        direction: sum.try_normalize(0.0).unwrap_or_else(Vector3::x),
+        direction: of_farthest.or(sum.try_normalize(0.0)).unwrap_or_else(Vector3::x),
         clearance_m: 2.0 * largest_m,
         reach_m: cells().map(|cell| reach_m[cell]).fold(0.0, f64::max),
-        p: RIGHT_SHARE[stays] * if is_cut { CUT_SHARE } else { 1.0 },
+        p: odds * if is_cut { CUT_SHARE } else { 1.0 },
         evidence: if 2 * nothing > cells().count() { Evidence::NoReturn } else { Evidence::SeenThrough },
         cut_by_view: is_cut,
     }
