@@ -109,11 +109,13 @@ fn known_of(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64, cells:
         |cell: usize| sphere.neighbours[cell].iter().any(|other| sight.seen[*other as usize] == Seen::Unknown);
     let is_cut = cells().any(is_beside_unknown);
     let is_wide = sum.norm() < ONE_WAY * weights;
+    let middle = sum.try_normalize(0.0).filter(|middle| cells().any(|cell| cell == sphere.cell(middle, 1.0)));
+    // That all around is not open in its middle.
     let farthest = cells().max_by(|a, b| reach_m[*a].total_cmp(&reach_m[*b]).then(b.cmp(a)));
-    let of_farthest = farthest.filter(|_| is_wide).map(|cell| sphere.directions[cell].into_inner());
+    let of_farthest = farthest.map(|cell| sphere.directions[cell].into_inner());
     let odds = if is_wide { WIDE_ODDS } else { RIGHT_SHARE[stays] };
     Way {
-        direction: of_farthest.or(sum.try_normalize(0.0)).unwrap_or_else(Vector3::x),
+        direction: middle.or(of_farthest).unwrap_or_else(Vector3::x),
         clearance_m: 2.0 * largest_m,
         reach_m: cells().map(|cell| reach_m[cell]).fold(0.0, f64::max),
         p: odds * if is_cut { CUT_SHARE } else { 1.0 },
