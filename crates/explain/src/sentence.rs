@@ -1,6 +1,6 @@
 //! The count in one sentence, and what would make it another one.
 
-use crosscut_stage::{Frame, counted};
+use crosscut_stage::{Frame, SURE, counted};
 
 use crate::doubtful::FEW;
 use crate::nearest::Nearest;
@@ -10,7 +10,8 @@ use crate::{Change, Explanation};
 impl Explanation {
     /// The count: "4 walls." or "4 walls and 1 island." And what is nearest to another one: "Without wall 3 (vermilion), which
     /// has 2 returns, there would be 3 walls. There would be 3 walls if wall 1 (orange) and wall 2 (blue) were one: their ends
-    /// are 3.2 m apart."; empty if nothing is known to be near. Of ways on: "4 ways on, 3 walls.", and the least sure of them.
+    /// are 3.2 m apart."; empty if nothing is known to be near. Of ways on: "4 ways on, 3 walls.", and the least sure of them
+    /// that is not sure.
     /// `color_of` names the colour in which a wall is drawn.
     pub fn sentence(&self, frame: &Frame, color_of: &dyn Fn(u32) -> &'static str) -> [String; 2] {
         let count = frame.junction.junctions;
@@ -22,7 +23,7 @@ impl Explanation {
             _ => format!("{} and {}.", walls(count), counted(islands as u64, "island")),
         };
         if let Some(ways) = &frame.junction.ways {
-            let least = ways.iter().min_by(|a, b| a.p.total_cmp(&b.p));
+            let least = ways.iter().filter(|way| way.p < SURE).min_by(|a, b| a.p.total_cmp(&b.p));
             let least = least.map(|way| format!("The least sure is {}, p = {:.2}.", way.words(), way.p));
             return [format!("{} on, {title}", counted(ways.len() as u64, "way")), least.unwrap_or_default()];
         }

@@ -80,7 +80,9 @@ impl Way {
     /// "shaft up at +51°, 78° up: 2.6 m": where it leads, its bearing and elevation, and its clearance.
     pub fn words(&self) -> String {
         let kind = self.kind().to_string().replace('_', " ");
-        let [bearing_deg, elevation_deg] = [self.bearing_rad(), self.elevation_rad()].map(f64::to_degrees);
+        // The sum with 0 leaves no -0.
+        let [bearing_deg, elevation_deg] =
+            [self.bearing_rad(), self.elevation_rad()].map(|rad| rad.to_degrees().round() + 0.0);
         let side = if elevation_deg < 0.0 { "down" } else { "up" };
         format!("{kind} at {bearing_deg:+.0}°, {:.0}° {side}: {:.1} m", elevation_deg.abs(), self.clearance_m)
     }
