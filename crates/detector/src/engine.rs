@@ -63,8 +63,8 @@ impl Engine {
 
     pub(crate) fn of(own: OwnStages, config: &Config, registry: &Registry, shared_by: [usize; 2]) -> Self {
         let (affinity, solver) = (config.kind(&registry.affinity), config.kind(&registry.spectral).properties);
-        // W has few entries in a row if the affinity needs beams, or takes the whole cloud. A solver that stays sparse takes no n×n matrix for such a
-        // W, and one that decomposes nothing takes none for any.
+        // W has few entries in a row if the affinity needs beams, or takes the whole cloud. A solver that stays sparse takes no
+        // n×n matrix for such a W, and one that decomposes nothing takes none for any.
         let is_w_sparse =
             own.affinity.is_none() && (affinity.properties.needs_beams || affinity.properties.takes_cloud);
         let stays_sparse = solver.eigenvalues == Eigenvalues::Zeros || is_w_sparse && solver.stays_sparse;

@@ -68,11 +68,11 @@ fn sector_of(bearing_rad: f64) -> usize {
     (turns * SECTORS as f64).round() as usize % SECTORS
 }
 
-/// The returns of a scan: index, sector, range in metres.
-fn returns(sweep: &Sweep) -> impl Iterator<Item = (usize, usize, f64)> {
+/// The returns of a scan: index, bearing in radians, range in metres.
+fn returns(sweep: &Sweep) -> impl Iterator<Item = (usize, f64, f64)> {
     let beams = sweep.beams.iter().zip(&sweep.bearings_rad).zip(&sweep.ranges_m);
     beams.filter_map(|((beam, bearing_rad), range_m)| match beam {
-        Beam::Return(at) => Some((*at as usize, sector_of(*bearing_rad), f64::from(*range_m))),
+        Beam::Return(at) => Some((*at as usize, *bearing_rad, f64::from(*range_m))),
         Beam::NoReturn | Beam::Unknown => None,
     })
 }
@@ -85,8 +85,9 @@ impl OwnReturns {
             return None;
         }
         let mut ranges_m = vec![f64::INFINITY; SECTORS];
-        for (_, sector, range_m) in returns(sweep) {
-            ranges_m[sector] = range_m.min(ranges_m[sector]);
+        for (_, bearing_rad, range_m) in returns(sweep) {
+            let nearest_m = &mut ranges_m[sector_of(bearing_rad)];
+            *nearest_m = nearest_m.min(range_m);
         }
         if self.scans == 0 || self.scans == MOST_SCANS {
             (self.seen, self.scans) = (vec![Seen::default(); SECTORS], 0);
@@ -132,7 +133,7 @@ impl OwnReturns {
             of_vehicle_m.is_some_and(|[from_m, to_m]| (from_m - STAYS_M..=to_m + STAYS_M).contains(&range_m))
         };
         let is_own = |sector: usize, range_m| [0, 1, SECTORS - 1].into_iter().any(|by| stays(sector + by, range_m));
-        let others = returns(sweep).filter(|&(_, sector, range_m)| !is_own(sector, range_m));
+        let others = returns(sweep).filter(|&(_, bearing_rad, range_m)| !is_own(sector_of(bearing_rad), range_m));
         others_m.extend(others.map(|(at, _, _)| points_m[at]));
     }
 

@@ -176,7 +176,6 @@ impl PoseTracker {
                 notes.add(N093, "pose: no odometry at this time; by the scan alone");
             }
             let mut matched = self.matcher.add(revolution, motion.filter(|_| self.has_moved));
-            notes.extend(self.matcher.own_returns_note());
             if matched.lost {
                 if self.waits(Break::Lost { matched: matched.matched }, 0, notes) {
                     return None;
@@ -185,6 +184,7 @@ impl PoseTracker {
                 self.matcher.forget();
                 matched = self.matcher.add(revolution, None);
             }
+            notes.extend(self.matcher.own_returns_note());
             let mut doubt = self.by_scan(&matched, motion.is_some());
             if let Some(known_m) = matched.guess_known_m {
                 doubt.guessed_m = known_m - self.guessed_m;

@@ -164,6 +164,7 @@ pub struct ScanMatcher {
     /// The returns that are not the vehicle's.
     points_m: Vec<Point>,
     own_returns: OwnReturns,
+    /// Until it is taken.
     own_returns_note: Option<(NoteCode, String)>,
     unaided: Unaided,
 }
@@ -247,7 +248,8 @@ impl ScanMatcher {
     /// All returns but the vehicle's own.
     fn leave_out_vehicle(&mut self, revolution: &Revolution, has_odometry: bool, others_m: &mut Vec<Point>) {
         let was_found = self.own_returns.found_in().is_some();
-        self.own_returns_note = revolution.sweep.as_ref().and_then(|sweep| self.own_returns.add(sweep));
+        let note = revolution.sweep.as_ref().and_then(|sweep| self.own_returns.add(sweep));
+        self.own_returns_note = note.or(self.own_returns_note.take());
         let found_in = self.own_returns.found_in();
         match revolution.sweep.as_ref().filter(|_| found_in.is_some()) {
             Some(sweep) => self.own_returns.others(sweep, &revolution.points_m, others_m),

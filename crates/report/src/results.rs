@@ -328,7 +328,6 @@ mod tests {
         let way = Way {
             direction: nalgebra::Vector3::x(),
             clearance_m: 1.0,
-            reach_m: 5.0,
             p: 0.5,
             evidence: crosscut_stage::Evidence::NoReturn,
             cut_by_view: false,

@@ -1,6 +1,6 @@
 //! The traits at the joints of the pipeline.
 
-use crate::{Affinity, Frame, Notes, Partition, Revolution, Spectrum};
+use crate::{Affinity, Frame, Notes, Partition, Point, Revolution, Spectrum};
 
 /// Why a stage cannot answer.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -67,7 +67,8 @@ impl dyn AffinityStage + '_ {
         out: &mut Affinity,
         notes: &mut Notes,
     ) -> Result<(), StageError> {
-        if let Some(index) = revolution.points_m.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
+        let not_finite = |points_m: &Vec<Point>| points_m.iter().position(|p| !p.iter().all(|x| x.is_finite()));
+        if let Some(index) = [&revolution.points_m, &revolution.cloud_m].into_iter().find_map(not_finite) {
             return Err(StageError::NotFinite { what: "the point", index });
         }
         out.verdicts.clear();

@@ -33,8 +33,6 @@ pub struct Way {
     pub direction: Vector3<f64>,
     /// Diameter of the largest ball that passes, metres.
     pub clearance_m: f64,
-    /// How far the vehicle gets straight on, metres; infinite where nothing came back.
-    pub reach_m: f64,
     /// The odds that it is one, as a probability.
     pub p: f64,
     /// Why it is believed.

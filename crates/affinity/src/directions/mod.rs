@@ -4,9 +4,8 @@
 //! what is hit cannot count ways on, and what is open can, in every dimension. So the rows of W are directions.
 //!
 //! 1. **Cells.** The sphere is cut into cells of nearly one size, at most 2,000, of about 8 points each or more, and none so low
-//!    that it lies between two rings of the lidar. A cell shows the
-//!    return that a quarter of its returns are nearer than, so that dust does not count. Returns within half the vehicle's
-//!    width are of the vehicle. A ring of cells at one elevation with returns in fewer than half of them is not looked at;
+//!    that it lies between two rings of the lidar. A cell shows the return that a quarter of its returns are nearer than, so that
+//!    dust does not count. Returns within half the vehicle's width are of the vehicle. A ring of cells at one elevation with returns in fewer than half of them is not looked at;
 //!    elsewhere a cell without a return is open.
 //! 2. **Room.** R is the radius of the largest ball that holds no return and whose centre lies in the one about the sensor.
 //! 3. **Reach.** F(e) is how far the vehicle's ball, of radius r, gets straight on in direction e: the least p·e - √(r² - |p -
@@ -14,11 +13,12 @@
 //! 4. **Cut.** Nodes are the cells with F(e) >= 2.25 R; W_ij = exp(-σ |e_i - e_j|²) between cells that touch, 0 otherwise, and
 //!    W_ii = 1. The components are the ways, if one of their cells has F(e) >= 2.475 R. Rock that reaches between two ways nearer than
 //!    2.25 R tells them apart, and a recess that is not as deep is none.
-//! 5. **What stays.** p of a way is the share of right answers, on development seeds, whose least way stays by itself at as many of
-//!    five distances from 1.75 to 2.75 R; less where the view cuts it.
+//! 5. **What stays.** p of a way is the share of right answers, on development seeds, whose least way stays by itself at as
+//!    many of five distances from 1.75 to 2.75 R; less where the view cuts it, and where it takes up half a turn, as in a place
+//!    that is wide for its height.
 //!
-//! The direction of a way is the mean of its cells, by the square of the room around the point 2.36 R away on each; its
-//! clearance is twice the largest of these rooms. Of a scan without a cloud, the cells are those of the horizon, 1° wide.
+//! The direction of a way is the mean of its cells, by the square of the room around the point 2.36 R away on each, or that in
+//! which the vehicle gets farthest, if the way is not open at its mean; its clearance is twice the largest of these rooms. Of a scan without a cloud, the cells are those of the horizon, 1° wide.
 
 mod reach;
 mod sight;
@@ -71,13 +71,18 @@ pub struct Sky {
 }
 
 impl Sky {
+    /// Cuts the sphere, or the horizon, into so many cells. (The horizon has fewer than any sphere.)
+    fn cut(&mut self, cells: usize, of: fn(usize) -> Sphere) {
+        if self.made_for != cells {
+            (self.sphere, self.made_for) = (of(cells), cells);
+        }
+    }
+
     /// Looks at a cloud, for a vehicle of this width.
     pub fn look(&mut self, points_m: &[Point], width_m: f64) {
         let mut wanted = CELLS.min(points_m.len() / LEAST_POINTS).max(LEAST_CELLS).next_multiple_of(100);
         loop {
-            if self.made_for != wanted {
-                (self.sphere, self.made_for) = (Sphere::of(wanted), wanted);
-            }
+            self.cut(wanted, Sphere::of);
             self.sight.look(&self.sphere, points_m, 0.5 * width_m);
             // Between the rings of a lidar there is nothing to see.
             if !self.sight.hide_unseen(&self.sphere) || wanted <= LEAST_CELLS {
@@ -93,11 +98,7 @@ impl Sky {
         let sweep = revolution.beams();
         let beams = sweep.map_or(revolution.len(), |sweep| sweep.len() + sweep.missing);
         let cells = LEVEL_CELLS.min(beams).max(16);
-        // No sphere of as few cells is wanted for a cloud.
-        let wanted = cells;
-        if self.made_for != wanted {
-            (self.sphere, self.made_for) = (Sphere::level(cells), wanted);
-        }
+        self.cut(cells, Sphere::level);
         self.sight.look(&self.sphere, &revolution.points_m, 0.5 * width_m);
         if let Some(sweep) = sweep {
             let mut looked_at = vec![false; cells];
@@ -131,9 +132,6 @@ impl AffinityStage for Directions {
         if revolution.cloud_m.is_empty() {
             sky.look_level(revolution, *width_m);
         } else {
-            if let Some(index) = revolution.cloud_m.iter().position(|point| !point.iter().all(|x| x.is_finite())) {
-                return Err(StageError::NotFinite { what: "the point", index });
-            }
             sky.look(&revolution.cloud_m, *width_m);
         }
         let ways = sky.ways();

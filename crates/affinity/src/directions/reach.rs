@@ -8,7 +8,8 @@ use super::sphere::Sphere;
 /// Of each cell: the distance that the centre of a ball of `radius_m` can go in its direction before it touches what is
 /// seen, metres; infinite where nothing came back, and -1 where nothing is known.
 ///
-/// A return p stops the ball in direction e where its distance from the ray is less than the radius, at p·e - √(r² - |p - (p·e)e|²).
+/// A return p stops the ball in direction e where its distance from the ray is less than the radius r, at
+/// p·e - √(r² - |p - (p·e) e|²).
 pub(super) fn reach_m(sphere: &Sphere, sight: &Sight, radius_m: f64, out: &mut Vec<f64>) {
     out.clear();
     out.extend(sight.seen.iter().map(|seen| if *seen == Seen::Unknown { -1.0 } else { f64::INFINITY }));

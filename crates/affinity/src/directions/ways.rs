@@ -97,9 +97,8 @@ fn known_of(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64, cells:
     let at_m = 0.5 * (APART + ON) * room_m;
     // Infinite where nothing is seen at all.
     let clear_m = |cell: usize| clear_m(sight, &sphere.directions[cell].scale(at_m)).min(at_m);
-    let towards = cells().map(|cell| (clear_m(cell), sphere.directions[cell].into_inner()));
     let (mut largest_m, mut sum, mut weights) = (0.0_f64, Vector3::zeros(), 0.0);
-    for (clear_m, direction) in towards {
+    for (clear_m, direction) in cells().map(|cell| (clear_m(cell), sphere.directions[cell].into_inner())) {
         largest_m = largest_m.max(clear_m);
         sum += direction * (clear_m * clear_m);
         weights += clear_m * clear_m;
@@ -117,7 +116,6 @@ fn known_of(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64, cells:
     Way {
         direction: middle.or(of_farthest).unwrap_or_else(Vector3::x),
         clearance_m: 2.0 * largest_m,
-        reach_m: cells().map(|cell| reach_m[cell]).fold(0.0, f64::max),
         p: odds * if is_cut { CUT_SHARE } else { 1.0 },
         evidence: if 2 * nothing > cells().count() { Evidence::NoReturn } else { Evidence::SeenThrough },
         cut_by_view: is_cut,
