@@ -147,7 +147,7 @@ fn of_here(py: Python<'_>, here: HereLine) -> PyResult<Bound<'_, PyAny>> {
 /// As a `crosscut.Steady`.
 fn of_steady(py: Python<'_>, steady: SteadyLine) -> PyResult<Bound<'_, PyAny>> {
     let [_, _, _, _, of_steady, followed, ..] = classes(py)?;
-    let openings = steady.openings.iter().map(|o| followed.call1((o.track, o.bearing_rad, o.width_m)));
+    let openings = steady.openings.iter().map(|o| followed.call1((o.track, o.bearing_rad, o.width_m, o.p, o.seen_ns)));
     let openings = PyTuple::new(py, openings.collect::<PyResult<Vec<_>>>()?)?;
     let here = steady.here.map(|here| self::of_here(py, here)).transpose()?;
     of_steady.call1((steady.junctions, here, openings))

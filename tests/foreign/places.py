@@ -14,15 +14,18 @@ Kinds, each a plane of free space with smooth walls in half of the places and ro
 - halls         beside a wall of a hall wider than most ranges, a straight one, a corner or a bay; boxes stand before some
 - dark_doors    a room with one or two doors of 1 to 3 m into a hall whose far side is mostly out of range
 - niches        corridors with niches of 0.2 to 0.4 m; they go on, end, meet another corridor or have a side passage
+- furnished     tunnels, dead ends, tees, crossings and drifts whose walls have recesses, posts, door frames and furniture;
+                of these nearly all are close calls, so they are made with `--close` alone
 
 The sensor stands anywhere in the free space near the middle, 0.5 m from all walls, and looks anywhere; beams, view,
 range and noise vary from place to place; beams are lost, and in some places dust is seen. Truth is what `sight` says of
-the same view without noise. Places that it leaves out are drawn anew; how many were is counted. With `--effects`, what
+the same view without noise. Places that it leaves out are drawn anew; how many were is counted. With `--close` niches and
+ways about as deep as the definition asks are let in, and what a vehicle of another width takes for something else. With `--effects`, what
 real lidars do is done to all of them, one effect at a time (`effects`).
 
 Not here: floors that are not level, motion during the revolution, people.
 
-Usage: tests/foreign/run places OUT_DIR [--count N] [--seed S] [--effects] [KIND...]
+Usage: tests/foreign/run places OUT_DIR [--count N] [--seed S] [--close] [--effects] [KIND...]
 One MCAP a kind, or with `--effects` one an effect, for `crosscut compare OUT_DIR`.
 """
 
@@ -35,6 +38,7 @@ from pathlib import Path
 
 import numpy as np
 import shapely
+import shapely.ops
 from shapely import LineString, Point, Polygon, affinity, box
 
 import sight
@@ -43,6 +47,7 @@ from effects import EFFECTS
 from sight import Beams, Place, Unclear, directions
 
 ARM_M = 110.0  # longer than any range
+FIXTURES = [(0.1, 0.4, 0.3), (0.8, 1.3, 0.3), (0.5, 2.5, 0.8)]  # posts, door frames, recesses and furniture: lengths, depth
 WALL_CLEARANCE_M = 0.5
 
 
@@ -221,6 +226,19 @@ def niches(rng: np.random.Generator) -> Ground:
     return Ground(free, near_m=4, roughest_m=0.05)
 
 
+def furnished(rng: np.random.Generator) -> Ground:
+    """Every 0.5 to 4 m something is cut into the wall, or stands before it."""
+    ground = rng.choice([tunnel, dead_end, tee, crossing, drifts])(rng)
+    free = ground.free
+    for wall in shapely.get_parts(shapely.line_merge(free.boundary.intersection(Point(0, 0).buffer(ARM_M / 4)))):
+        for at_m in np.cumsum(rng.uniform(0.5, 4, int(wall.length / 2))):
+            shortest_m, longest_m, deepest_m = FIXTURES[rng.choice(len(FIXTURES))]
+            part = shapely.ops.substring(wall, at_m, at_m + rng.uniform(shortest_m, longest_m))
+            stuck = part.buffer(rng.uniform(0.05, deepest_m), cap_style="flat", join_style="mitre")
+            free = free.union(stuck) if rng.random() < 0.5 else free.difference(stuck)
+    return Ground(free, near_m=8, roughest_m=0.05)
+
+
 KINDS: dict[str, Callable[[np.random.Generator], Ground]] = {
     "tunnels": tunnel,
     "dead_ends": dead_end,
@@ -235,6 +253,7 @@ KINDS: dict[str, Callable[[np.random.Generator], Ground]] = {
     "halls": hall,
     "dark_doors": dark_door,
     "niches": niches,
+    "furnished": furnished,
 }
 
 
@@ -330,28 +349,28 @@ def waves(
 # Walls, sensor, scan.
 
 
-def make(kind: str, count: int, seed: int) -> list[Place]:
+def make(kind: str, count: int, seed: int, close: bool = False) -> list[Place]:
     """Place i is the same whatever the count."""
-    return [place(kind, np.random.default_rng([seed, *kind.encode(), i])) for i in range(count)]
+    return [place(kind, np.random.default_rng([seed, *kind.encode(), i]), close) for i in range(count)]
 
 
-def place(kind: str, rng: np.random.Generator) -> Place:
+def place(kind: str, rng: np.random.Generator, close: bool) -> Place:
     redrawn = 0
     while True:
         try:
-            return draw(KINDS[kind](rng), rng, redrawn)
+            return draw(KINDS[kind](rng), rng, redrawn, close)
         except Unclear:
             redrawn += 1
 
 
-def draw(ground: Ground, rng: np.random.Generator, redrawn: int) -> Place:
+def draw(ground: Ground, rng: np.random.Generator, redrawn: int, close: bool) -> Place:
     beams = any_beams(rng)
     free = around_sensor(ground, beams.range_max_m, rng)
     if rng.random() < 0.5:
         free = rough(free, rng.uniform(0.1, 1) * ground.roughest_m, rng)
     if not clear_of_walls(free):
         raise Unclear("too near to a wall")
-    view = sight.look(free, beams)
+    view = sight.look(free, beams, close)
     ranges_m, labels = measured(view, beams, rng)
     return Place(beams, ranges_m, view.truth(labels), redrawn)
 
@@ -460,14 +479,15 @@ def main() -> int:
     parser.add_argument("kinds", nargs="*", metavar="KIND", help=f"{', '.join(KINDS)}; all if none")
     parser.add_argument("--count", type=int, default=100, help="places of each kind")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--close", action="store_true", help="let in close calls, such as niches, by the definition")
     parser.add_argument("--effects", action="store_true", help=f"do to the places what real lidars do: {', '.join(EFFECTS)}")
     args = parser.parse_intermixed_args()
     if unknown := [kind for kind in args.kinds if kind not in KINDS]:
         parser.error(f"no kind is called {unknown[0]}; there are {', '.join(KINDS)}")
     args.out.mkdir(parents=True, exist_ok=True)
     made = {}
-    for kind in args.kinds or KINDS:
-        made[kind] = make(kind, args.count, args.seed)
+    for kind in args.kinds or [kind for kind in KINDS if args.close or kind != "furnished"]:
+        made[kind] = make(kind, args.count, args.seed, args.close)
         redrawn = sum(place.redrawn for place in made[kind])
         print(f"{kind:<10} {args.count} places, {redrawn / max(redrawn + args.count, 1):.0%} of all drawn left out")
     if args.effects:

@@ -19,6 +19,8 @@ Left out, as one view cannot tell (`Unclear`):
 - a post at the side of an opening, which is a wall to some and an island to others;
 - a wall between two openings that is shorter than 0.5 m, a wall or island of fewer than 6 returns;
 - a view that ends within 5° of a jump in depth or of the end of the range.
+
+Close calls of the first two kinds can be let in: the definition decides them, by 3 m and by the vehicle itself.
 """
 
 from dataclasses import dataclass
@@ -28,7 +30,8 @@ import shapely
 from shapely import LineString, Polygon
 
 VEHICLE_WIDTHS_M = (0.45, 0.6, 0.9)  # the vehicle's own in the middle; the others must see the same openings
-CLOSED_M, OPEN_M = 0.5, 5.0  # beyond a gap: less is closed, more is open, and the definition's 3 m lie between
+CLOSED_M, OPEN_M = 0.5, 5.0  # beyond a gap: less is closed, more is open, and the definition lies between
+DEFINED_M = 3.0
 NARROWEST_WAY_M = 1.5  # in a hidden space that is nowhere wider no way on begins
 POST_M = 3.0
 LEAST_RETURNS = 6
@@ -111,12 +114,12 @@ class Place:
     redrawn: int  # how many places were left out before this one
 
 
-def look(free: Polygon, beams: Beams) -> View:
-    """What these beams see; `Unclear` if that is for no single view to say."""
+def look(free: Polygon, beams: Beams, close: bool = False) -> View:
+    """What these beams see; `Unclear` if that is for no single view to say, or with `close` for no definition."""
     rays = dense_rays(free, beams)
     if not len(rays.hits()):
         raise Unclear("nothing in range")
-    opening_hits = openings_of(free, rays)
+    opening_hits = openings_of(free, rays, close)
     check_beams_show(rays, opening_hits)
     hits = rays.hits()
     piece = np.cumsum(np.isin(np.arange(len(hits)), opening_hits + 1))
@@ -198,16 +201,16 @@ def check_view_ends(rays: Rays, margin: int):
         raise Unclear("the view ends at an edge")
 
 
-def openings_of(free: Polygon, rays: Rays) -> np.ndarray:
+def openings_of(free: Polygon, rays: Rays, close: bool) -> np.ndarray:
     """The gaps that are openings, each by the number of the hit before it; -1 if none is before it in a limited
     view."""
     in_view = None if rays.full_turn else sector(rays)
     answers = set()
-    for width_m in VEHICLE_WIDTHS_M:
+    for width_m in VEHICLE_WIDTHS_M[1:2] if close else VEHICLE_WIDTHS_M:
         ways = shapely.difference(free.buffer(-width_m / 2, quad_segs=4), seen_polygon(rays))
-        answers.add(open_gaps(ways, rays))
+        answers.add(open_gaps(ways, rays, close))
         if in_view:
-            answers.add(open_gaps(shapely.intersection(ways, in_view), rays))
+            answers.add(open_gaps(shapely.intersection(ways, in_view), rays, close))
     if len(answers) > 1:
         raise Unclear("only some vehicles pass")
     return np.array(sorted(answers.pop()), dtype=int)
@@ -221,7 +224,7 @@ def sector(rays: Rays) -> Polygon:
     return Polygon([(0.0, 0.0), *directions(rays.bearing_rad) * (rays.range_max_m + 2 * BEYOND_RANGE_M)])
 
 
-def open_gaps(ways: shapely.Geometry, rays: Rays) -> frozenset[int]:
+def open_gaps(ways: shapely.Geometry, rays: Rays, close: bool) -> frozenset[int]:
     """The gaps over which the hidden ways are deep."""
     ends_m, hit = rays.ends_m(), np.isfinite(rays.hit_m)
     if rays.full_turn:
@@ -235,7 +238,7 @@ def open_gaps(ways: shapely.Geometry, rays: Rays) -> frozenset[int]:
         shapely.prepare(way)
         touched = np.unique(gaps[shapely.dwithin(way, edges, 1e-3)])
         for gap in touched:
-            if is_deep(way, gap_line(rays, gap), shadow=len(touched) > 1):
+            if is_deep(way, gap_line(rays, gap), shadow=len(touched) > 1, close=close):
                 found.add(int(gap))
     return frozenset(found)
 
@@ -261,11 +264,11 @@ def gap_line(rays: Rays, gap: int) -> LineString:
     return LineString(rays.ends_m()[gap_rays(rays, gap)])
 
 
-def is_deep(way: Polygon, gap: LineString, shadow: bool) -> bool:
+def is_deep(way: Polygon, gap: LineString, shadow: bool, close: bool) -> bool:
     corners = shapely.points(shapely.get_coordinates(way.convex_hull))
     depth_m = shapely.distance(gap, corners).max()
-    if depth_m > OPEN_M:
-        return True
+    if close or depth_m > OPEN_M:
+        return depth_m > DEFINED_M
     nothing_in_range = len(gap.coords) > 2
     small = depth_m < NARROWEST_WAY_M if shadow else depth_m < CLOSED_M and gap.length < NARROWEST_WAY_M
     if nothing_in_range or not small:

@@ -122,4 +122,8 @@ pub struct SteadyOpening {
     pub bearing_rad: f64,
     /// Clear width across the branch, metres.
     pub width_m: f64,
+    /// The odds that a vehicle can pass, as a probability, of the revolution that saw it last; `None` where too little was seen.
+    pub p: Option<f64>,
+    /// The last revolution whose beams passed through; `None` if none did: a hidden wall may close it.
+    pub seen_ns: Option<u64>,
 }

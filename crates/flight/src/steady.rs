@@ -1,6 +1,6 @@
 //! The answer over the last revolutions, and openings that are followed from one to the next.
 
-use crosscut_stage::{Frame, Opening, wrap_angle_rad};
+use crosscut_stage::{Frame, Known, Opening, wrap_angle_rad};
 use nalgebra::Isometry2;
 
 use crate::belief::{Answered, Belief, Since, elapsed_s};
@@ -70,10 +70,8 @@ impl TakenAt {
 /// An opening that is followed.
 #[derive(Clone, Debug)]
 struct Track {
-    id: u64,
-    /// Its bearing in fixed axes.
-    direction_rad: f64,
-    width_m: f64,
+    /// As it was seen last, its bearing in fixed axes.
+    opening: SteadyOpening,
     /// Revolutions since it was seen.
     missed: u32,
 }
@@ -108,7 +106,7 @@ impl Steadier {
             let junction = &frame.junction;
             let since = now.since(self.before.count.replace(now));
             let (answer, confidence) = (junction.junctions, junction.confidence.unwrap_or(0.0));
-            let tracks = self.follow(&junction.openings, yaw_rad);
+            let tracks = self.follow(&junction.openings, yaw_rad, now.stamp_ns);
             self.junctions.add(Answered { answer, confidence, since });
             if self.junctions.holds() == Some(answer) {
                 self.shown.clone_from(&tracks);
@@ -124,7 +122,7 @@ impl Steadier {
                     self.here = Some((Here { ways, ..*here }, of_ways));
                 }
             }
-            self.tracks.retain(|track| track.missed <= MOST_MISSED || self.shown.contains(&track.id));
+            self.tracks.retain(|track| track.missed <= MOST_MISSED || self.shown.contains(&track.opening.track));
         }
         let junctions = self.junctions.holds()?;
         let openings = self.openings(yaw_rad);
@@ -133,10 +131,10 @@ impl Steadier {
     }
 
     /// The track of each opening. The nearest in bearing are joined first.
-    fn follow(&mut self, openings: &[Opening], yaw_rad: f64) -> Vec<u64> {
+    fn follow(&mut self, openings: &[Opening], yaw_rad: f64, stamp_ns: u64) -> Vec<u64> {
         let direction_rad = |opening: &Opening| wrap_angle_rad(opening.bearing_rad + yaw_rad);
         let turned_rad =
-            |track: &Track, opening: &Opening| wrap_angle_rad(direction_rad(opening) - track.direction_rad);
+            |track: &Track, opening: &Opening| wrap_angle_rad(direction_rad(opening) - track.opening.bearing_rad);
         let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
         for (at, track) in self.tracks.iter().enumerate() {
             let near =
@@ -145,35 +143,46 @@ impl Steadier {
         }
         pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
         self.tracks.iter_mut().for_each(|track| track.missed = track.missed.saturating_add(1));
-        let mut tracks: Vec<Option<u64>> = vec![None; openings.len()];
+        let mut track_of: Vec<Option<usize>> = vec![None; openings.len()];
         for (_, at, index) in pairs {
-            let track = &mut self.tracks[at];
-            if track.missed > 0 && tracks[index].is_none() {
-                tracks[index] = Some(track.id);
-                (track.direction_rad, track.missed) = (direction_rad(&openings[index]), 0);
-                track.width_m = openings[index].width_m;
+            if self.tracks[at].missed > 0 && track_of[index].is_none() {
+                (track_of[index], self.tracks[at].missed) = (Some(at), 0);
             }
         }
-        let mut new_track = |opening: &Opening| {
-            let id = self.next_track;
-            self.next_track += 1;
-            let width_m = opening.width_m;
-            self.tracks.push(Track { id, direction_rad: direction_rad(opening), width_m, missed: 0 });
-            id
+        let mut followed = |(before, opening): (Option<usize>, &Opening)| {
+            let before = before.map(|at| self.tracks[at].opening);
+            let new = || {
+                self.next_track += 1;
+                self.next_track - 1
+            };
+            let track = before.map_or_else(new, |before| before.track);
+            let seen_ns = (opening.known == Known::Seen).then_some(stamp_ns);
+            SteadyOpening {
+                track,
+                bearing_rad: direction_rad(opening),
+                width_m: opening.width_m,
+                p: opening.p,
+                seen_ns: seen_ns.or(before.and_then(|before| before.seen_ns)),
+            }
         };
-        tracks.iter().zip(openings).map(|(track, opening)| track.unwrap_or_else(|| new_track(opening))).collect()
+        let seen: Vec<SteadyOpening> = track_of.iter().copied().zip(openings).map(followed).collect();
+        for (at, &opening) in track_of.iter().zip(&seen) {
+            match at {
+                Some(at) => self.tracks[*at].opening = opening,
+                None => self.tracks.push(Track { opening, missed: 0 }),
+            }
+        }
+        seen.iter().map(|opening| opening.track).collect()
     }
 
     /// The openings that are shown, in the present heading.
     fn openings(&self, yaw_rad: f64) -> Vec<SteadyOpening> {
-        let shown = self.tracks.iter().filter(|track| self.shown.contains(&track.id));
-        let mut openings: Vec<_> = shown
-            .map(|&Track { id, direction_rad, width_m, .. }| SteadyOpening {
-                track: id,
-                bearing_rad: wrap_angle_rad(direction_rad - yaw_rad),
-                width_m,
-            })
-            .collect();
+        let shown = self.tracks.iter().map(|track| track.opening).filter(|opening| self.shown.contains(&opening.track));
+        let turned = |opening: SteadyOpening| SteadyOpening {
+            bearing_rad: wrap_angle_rad(opening.bearing_rad - yaw_rad),
+            ..opening
+        };
+        let mut openings: Vec<_> = shown.map(turned).collect();
         openings.sort_by(|a, b| a.bearing_rad.total_cmp(&b.bearing_rad));
         openings
     }

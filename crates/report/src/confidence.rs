@@ -6,13 +6,13 @@
 //! By the scene: an answer is wrong where one verdict between "the wall continues" and "a vehicle can pass" is wrong, so
 //! it is as sure as its verdicts are clear ([`Grounds`]):
 //! ```text
-//! P(right) = 1 / (1 + exp(-β·x)),  x = (1, ln(q/(1-q)), ln(o/w), ln(g/w), φ, i, m)
+//! P(right) = 1 / (1 + exp(-β·x)),  x = (1, -ln e, ln(o/w), ln(g/w), φ, i, m)
 //! ```
-//! with q the probability of the answer by the odds of its gaps ([`crate::odds`]) and w the width of the vehicle. Where
+//! with e how many gaps are decided wrongly, to be expected by their odds ([`crate::odds`]), and w the width of the vehicle. Where
 //! returns are more than 4° apart on average, walls do not show as lines, and P is lowered by a factor. A dark gap in the
 //! line of a wall that could be a doorway lowers it too, and so does a counted wall of which only a handful of returns is
 //! seen: they could be of anything. β is a logistic regression of right against wrong over the
-//! development scenes and places of another generator. The example `confidence` checks it and writes what it means.
+//! development scenes and places of another generator, close calls among them: recesses and niches about as deep as a way. The example `confidence` checks it and writes what it means.
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
@@ -24,8 +24,8 @@ use crate::wall_ring::WallRing;
 
 /// Clearances are limited to these multiples of the vehicle's width.
 const CLEARANCES: [f64; 2] = [0.2, 15.0];
-/// The probability of the answer by the odds of its gaps is limited to this, and to 1 less this.
-const LEAST_ODDS: f64 = 1e-4;
+/// As many gaps, at least, are expected to be decided wrongly.
+const LEAST_WRONG: f64 = 0.01;
 /// Openings that are this far apart, or farther, are clearly apart.
 const APART_RAD: f64 = FRAC_PI_4;
 /// The length of an island is limited to this many times the vehicle's width.
@@ -33,7 +33,7 @@ const MOST_ISLAND: f64 = 3.0;
 /// The margin is limited to this.
 const MARGIN_DECADES: f64 = 1.0;
 /// β.
-pub const BETA: [f64; Grounds::INPUTS] = [-1.27, 0.56, 0.31, -0.38, 2.12, -0.34, 1.12];
+pub const BETA: [f64; Grounds::INPUTS] = [-1.56, 0.91, 0.07, -0.15, 1.75, -0.2, 0.76];
 
 /// Returns up to this far apart, 90 a turn with room for rounding, show walls as lines; fewer do not.
 pub(crate) const COARSE_RAD: f64 = TAU / 89.5;
@@ -51,8 +51,8 @@ const POWER_OF_FEW: i32 = 9;
 /// What an answer rests on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grounds {
-    /// q: the probability that the answer is right at every gap, by the odds of the gaps.
-    pub odds: f64,
+    /// e: how many gaps the answer decides wrongly, to be expected by the odds of the gaps.
+    pub wrong_gaps: f64,
     /// o: how far the walls leave each other's line at an opening, or where one ends and another begins, metres; the
     /// least of all.
     pub least_at_openings_m: f64,
@@ -101,7 +101,7 @@ impl Grounds {
             return None;
         }
         let mut grounds = Self {
-            odds: odds::of_answer(verdicts, answer),
+            wrong_gaps: odds::wrong_gaps(verdicts, answer),
             least_at_openings_m: f64::INFINITY,
             most_within_walls_m: 0.0,
             apart_rad: std::f64::consts::PI,
@@ -146,11 +146,10 @@ impl Grounds {
     pub fn inputs(&self, vehicle_width_m: f64) -> [f64; Self::INPUTS] {
         let clearance = |length_m: f64| (length_m / vehicle_width_m).clamp(CLEARANCES[0], CLEARANCES[1]).ln();
         let (opening, gap) = (clearance(self.least_at_openings_m), clearance(self.most_within_walls_m));
-        let odds = self.odds.clamp(LEAST_ODDS, 1.0 - LEAST_ODDS);
         let margin = self.margin_decades.unwrap_or(MARGIN_DECADES).clamp(0.0, MARGIN_DECADES);
         let (apart, island) =
             (self.apart_rad.min(APART_RAD), (self.longest_island_m / vehicle_width_m).min(MOST_ISLAND));
-        [1.0, (odds / (1.0 - odds)).ln(), opening, gap, apart, island, margin]
+        [1.0, -self.wrong_gaps.max(LEAST_WRONG).ln(), opening, gap, apart, island, margin]
     }
 
     /// β·x, for a vehicle of this width: the log odds of a right answer.

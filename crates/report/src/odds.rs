@@ -12,18 +12,17 @@ pub fn has_opening(verdict: &Verdict, answer: &Junction) -> Option<bool> {
     Some(from != to || answer.openings.iter().any(|opening| opening.shares_end_with(verdict.returns)))
 }
 
-/// The probability that the answer is right at every gap, if each is decided for itself: the product of p over its openings
-/// and of 1 - p over the gaps within its walls. Of an opening at which too little is seen for odds nothing is known, nor of
-/// openings without any verdict: one half.
-pub(crate) fn of_answer(verdicts: &[Verdict], answer: &Junction) -> f64 {
+/// How many gaps the answer is expected to decide wrongly: the sum of 1 - p over its openings and of p over the gaps within
+/// its walls. Of an opening at which too little is seen for odds nothing is known, nor of openings without any verdict: one half.
+pub(crate) fn wrong_gaps(verdicts: &[Verdict], answer: &Junction) -> f64 {
     if verdicts.is_empty() && !answer.openings.is_empty() {
         return NOTHING_KNOWN;
     }
-    let right = |verdict: &Verdict| {
+    let wrong = |verdict: &Verdict| {
         let (p, is_opening) = (verdict.p.unwrap_or(NOTHING_KNOWN), has_opening(verdict, answer)?);
-        Some(if is_opening { p } else { 1.0 - p })
+        Some(if is_opening { 1.0 - p } else { p })
     };
-    verdicts.iter().filter_map(right).product()
+    verdicts.iter().filter_map(wrong).sum()
 }
 
 /// Sets p of each opening: the most of the gaps that begin or end where it does.

@@ -335,7 +335,7 @@ mod tests {
         line.ways = Some(vec![WayLine::of(&way)]);
         (line.ways_flyer, line.ways_ground, line.ways_view_rad) = (Some(1), Some(1), Some([0.0; 2]));
         line.here = Some(here());
-        let opening = SteadyOpening { track: 0, bearing_rad: 0.0, width_m: 1.0 };
+        let opening = SteadyOpening { track: 0, bearing_rad: 0.0, width_m: 1.0, p: Some(0.5), seen_ns: Some(1) };
         line.steady = Some(SteadyLine { junctions: 1, here: Some(here()), openings: vec![opening] });
         line.pose = Some(PoseLine { x_m: 0.0, y_m: 0.0, yaw_rad: 0.0, sd_m: None });
         let line = serde_json::to_value(line).expect("JSON");

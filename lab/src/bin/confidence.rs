@@ -1,11 +1,12 @@
 //! Generator of a page of the docs: how well the confidence of preset `default` is calibrated. Fits the confidence to right
-//! and wrong answers on the development scenes and on places of another generator, and fails if the program has another fit.
+//! and wrong answers on the development scenes and on places of another generator, close calls among them, and fails if the
+//! program has another fit.
 //!
 //! ```text
 //! tests/foreign/run places target/places/fit --count 100 --seed 101
 //! tests/foreign/run places target/places/effects-dev --count 20 --seed 113 --effects
-//! lab/run confidence target/docs/confidence.md target/places/fit \
-//!     target/places/effects-dev
+//! tests/foreign/run places target/places/close-dev --count 100 --seed 121 --close
+//! lab/run confidence target/docs/confidence.md target/places/fit target/places/effects-dev target/places/close-dev
 //! ```
 
 use std::path::PathBuf;
@@ -31,6 +32,8 @@ const NEWTON_STEPS: usize = 30;
 /// Weight of a place with an effect of real lidars relative to a scene: each place is there with every effect. With equal
 /// weights, less than half of the answers in rough walls would be sure.
 const WEIGHT_OF_EFFECTS: f64 = 1.0 / 3.0;
+/// Weight of a place that may be a close call: a vehicle meets more of them than the scenes have, which leave them out.
+const WEIGHT_OF_CLOSE: f64 = 2.0;
 
 const PAGE: &str = "\
 # What the confidence of preset `default` means
@@ -51,17 +54,17 @@ fn main() -> anyhow::Result<()> {
     let mut args = std::env::args().skip(1);
     let file = args.next().context("name a file to write to")?;
     let mut folder = |of: &str| args.next().map(PathBuf::from).with_context(|| format!("name a folder of {of}"));
-    let answers = answers(folder("places")?, folder("places with effects")?)?;
+    let answers = answers([folder("places")?, folder("places with effects")?, folder("close calls")?])?;
     let beta = fitted(&answers).map(|beta| (100.0 * beta).round() / 100.0);
     if <[f64; N]>::from(beta) != BETA {
         bail!("β of crates/report/src/confidence.rs is not fitted to these answers: {BETA:?} instead of {beta:?}");
     }
     let mut scoreboard = Scoreboard::new(vec!["default".to_owned()]);
     answers.iter().for_each(|answer| scoreboard.add(&answer.family, 0, &answer.score));
-    let [one, odds, opening, gap, apart, islands, margin] = BETA;
+    let [one, wrong, opening, gap, apart, islands, margin] = BETA;
     let mut page = format!(
-        "{PAGE}\nβ = ({one}, {odds}, {opening}, {gap}, {apart}, {islands}, {margin}) \
-         for x = (1, ln(q/(1-q)), ln(o/w), ln(g/w), φ, i, m)\n"
+        "{PAGE}\nβ = ({one}, {wrong}, {opening}, {gap}, {apart}, {islands}, {margin}) \
+         for x = (1, -ln e, ln(o/w), ln(g/w), φ, i, m)\n"
     );
     for table in tables::details(&scoreboard).iter().filter(|table| table.title.contains("confidence")) {
         page += &format!("\n## {}\n\n{}", table.title, markdown(table));
@@ -70,7 +73,7 @@ fn main() -> anyhow::Result<()> {
 }
 
 /// Answers to the development scenes of every family, and to the scenes of recordings, which have truth.
-fn answers(places: PathBuf, effects: PathBuf) -> anyhow::Result<Vec<Answer>> {
+fn answers(folders: [PathBuf; 3]) -> anyhow::Result<Vec<Answer>> {
     let mut program = Program::new()?;
     let mut answers = Vec::new();
     for suite in suites() {
@@ -80,9 +83,10 @@ fn answers(places: PathBuf, effects: PathBuf) -> anyhow::Result<Vec<Answer>> {
             answers.extend(program.answer(suite.name, &scene.truth, 1.0)?);
         }
     }
-    let with_weight = |paths: Vec<PathBuf>, weight: f64| paths.into_iter().map(move |path| (path, weight));
-    let recordings =
-        with_weight(recordings_in(&[places])?, 1.0).chain(with_weight(recordings_in(&[effects])?, WEIGHT_OF_EFFECTS));
+    let mut recordings = Vec::new();
+    for (folder, weight) in folders.into_iter().zip([1.0, WEIGHT_OF_EFFECTS, WEIGHT_OF_CLOSE]) {
+        recordings.extend(recordings_in(&[folder])?.into_iter().map(|path| (path, weight)));
+    }
     for (path, weight) in recordings {
         let family = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
         let mut truths = Truths::open(&path)?;

@@ -76,6 +76,10 @@ class FollowedOpening(NamedTuple):
     """Direction towards the branch, anticlockwise from straight ahead."""
     width_m: float
     """Clear width across the branch, metres."""
+    p: float | None
+    """The odds that a vehicle can pass, as a probability, of the scan that saw it last; ``None`` where too little was seen."""
+    seen_ns: int | None
+    """The last scan whose beams passed through; ``None`` if none did: a hidden wall may close it."""
 
 
 class Steady(NamedTuple):
