@@ -141,6 +141,15 @@ SECTIONS: dict[str, tuple[str, list[str], str, Callable]] = {
         "places.json",
         evaluation,
     ),
+    "close": (
+        "Close calls let in",
+        [
+            "tests/foreign/run places target/places/close --count 100 --seed 122 --close",
+            "crosscut compare target/places/close --with default",
+        ],
+        "close.json",
+        evaluation,
+    ),
     "effects": (
         "What real lidars do",
         [
@@ -223,6 +232,10 @@ def page(results: dict) -> str:
     text = "In all, %; *sure* are answers with a confidence of 0.9 and above; AUROC: confidence of right against wrong answers."
     parts.append(f"\n## Labels, openings, confidence\n\n{text}\n\n" + table(["scenes", "method", *measures.values()], rows))
 
+    close = results["close"]
+    rows = [[kind, *(close[measure][kind]["default"] for measure in ("right", "sure", "sure_right"))] for kind in close["right"]]
+    text = "Answers of `default`, %, in places among which niches and ways about as deep as the definition asks for are let in."
+    parts.append(headed(close, text, table(["kind", "right", "sure", "right of the sure"], rows)))
     effects = results["effects"]
     rows = [[effect, *(right[method] for method in OF_EFFECTS)] for effect, right in effects["right"].items()]
     text = f"Right answers, %, of {effects['revolutions'] // (len(rows) - 1)} places for each effect."

@@ -253,8 +253,8 @@ KINDS: dict[str, Callable[[np.random.Generator], Ground]] = {
     "halls": hall,
     "dark_doors": dark_door,
     "niches": niches,
-    "furnished": furnished,
 }
+CLOSE_KINDS = KINDS | {"furnished": furnished}
 
 
 # Their parts.
@@ -358,7 +358,7 @@ def place(kind: str, rng: np.random.Generator, close: bool) -> Place:
     redrawn = 0
     while True:
         try:
-            return draw(KINDS[kind](rng), rng, redrawn, close)
+            return draw(CLOSE_KINDS[kind](rng), rng, redrawn, close)
         except Unclear:
             redrawn += 1
 
@@ -476,17 +476,18 @@ def with_effect(name: str, places: list[Place], seed: int) -> list[Place]:
 def main() -> int:
     parser = argparse.ArgumentParser(prog="tests/foreign/run places", description="Writes test places with known truth as MCAP.")
     parser.add_argument("out", type=Path, metavar="OUT_DIR")
-    parser.add_argument("kinds", nargs="*", metavar="KIND", help=f"{', '.join(KINDS)}; all if none")
+    parser.add_argument("kinds", nargs="*", metavar="KIND", help=f"{', '.join(CLOSE_KINDS)}; all if none")
     parser.add_argument("--count", type=int, default=100, help="places of each kind")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--close", action="store_true", help="let in close calls, such as niches, by the definition")
     parser.add_argument("--effects", action="store_true", help=f"do to the places what real lidars do: {', '.join(EFFECTS)}")
     args = parser.parse_intermixed_args()
-    if unknown := [kind for kind in args.kinds if kind not in KINDS]:
-        parser.error(f"no kind is called {unknown[0]}; there are {', '.join(KINDS)}")
+    kinds = CLOSE_KINDS if args.close else KINDS
+    if unknown := [kind for kind in args.kinds if kind not in kinds]:
+        parser.error(f"no kind is called {unknown[0]}; there are {', '.join(kinds)}")
     args.out.mkdir(parents=True, exist_ok=True)
     made = {}
-    for kind in args.kinds or [kind for kind in KINDS if args.close or kind != "furnished"]:
+    for kind in args.kinds or kinds:
         made[kind] = make(kind, args.count, args.seed, args.close)
         redrawn = sum(place.redrawn for place in made[kind])
         print(f"{kind:<10} {args.count} places, {redrawn / max(redrawn + args.count, 1):.0%} of all drawn left out")

@@ -149,7 +149,7 @@ impl Steadier {
                 (track_of[index], self.tracks[at].missed) = (Some(at), 0);
             }
         }
-        let mut followed = |(before, opening): (Option<usize>, &Opening)| {
+        let followed = |(before, opening): (Option<usize>, &Opening)| {
             let before = before.map(|at| self.tracks[at].opening);
             let new = || {
                 self.next_track += 1;
