@@ -226,16 +226,16 @@ def page(results: dict) -> str:
     }
     rows = [
         [name, method, *(results[name][measure]["all"][method] for measure in measures)]
-        for name in ("simulated", "places")
-        for method in METHODS
+        for name in ("simulated", "places", "close")
+        for method in results[name]["right"]["all"]
     ]
     text = "In all, %; *sure* are answers with a confidence of 0.9 and above; AUROC: confidence of right against wrong answers."
     parts.append(f"\n## Labels, openings, confidence\n\n{text}\n\n" + table(["scenes", "method", *measures.values()], rows))
 
     close = results["close"]
-    rows = [[kind, *(close[measure][kind]["default"] for measure in ("right", "sure", "sure_right"))] for kind in close["right"]]
-    text = "Answers of `default`, %, in places among which niches and ways about as deep as the definition asks for are let in."
-    parts.append(headed(close, text, table(["kind", "right", "sure", "right of the sure"], rows)))
+    rows = [[kind, right["default"]] for kind, right in close["right"].items()]
+    text = "Right answers, %, in places among which niches and ways about as deep as the definition asks for are let in."
+    parts.append(headed(close, text, table(["kind", "default"], rows)))
     effects = results["effects"]
     rows = [[effect, *(right[method] for method in OF_EFFECTS)] for effect, right in effects["right"].items()]
     text = f"Right answers, %, of {effects['revolutions'] // (len(rows) - 1)} places for each effect."
