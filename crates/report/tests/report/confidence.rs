@@ -1,7 +1,7 @@
 //! What the confidence of a scene rests on, on scenes computed by hand.
 
 use crate::scenes::{Segment, scan, tee, tunnel};
-use crosscut_report::confidence::Grounds;
+use crosscut_report::confidence::{BETA, Grounds};
 use crosscut_report::{PARAMS, Reporter, VEHICLE_PARAMS};
 use crosscut_stage::{Affinity, Beam, Frame, Junction, Params, Partition, Revolution, Verdict};
 
@@ -117,14 +117,18 @@ fn no_answer_is_sure_while_a_dark_gap_may_be_a_doorway() {
 
 #[test]
 fn openings_close_together_and_pillars_speak_against_an_answer() {
-    let (plain, sure) = grounds(&tee());
+    let (plain, _) = grounds(&tee());
     assert!((plain.apart_rad.to_degrees() - 30.0).abs() < 2.0, "past the corner (3, 1.75): {plain:?}");
     let mut with_pillar = tee();
     with_pillar.push((Segment([-4.0, -0.3], [-4.0, 0.3]), 3));
-    let (with_pillar, unsure) = grounds(&with_pillar);
+    let (with_pillar, _) = grounds(&with_pillar);
     assert_eq!(plain.longest_island_m, 0.0);
     assert!((0.45..0.6).contains(&with_pillar.longest_island_m), "{with_pillar:?}");
-    assert!(unsure < sure, "{sure} and {unsure}");
+    let log_odds =
+        |grounds: Grounds| BETA.iter().zip(grounds.inputs(VEHICLE_WIDTH_M)).map(|(beta, x)| beta * x).sum::<f64>();
+    let sure = log_odds(plain);
+    assert!(log_odds(Grounds { longest_island_m: with_pillar.longest_island_m, ..plain }) < sure);
+    assert!(log_odds(Grounds { apart_rad: 0.5 * plain.apart_rad, ..plain }) < sure);
 }
 
 #[test]
