@@ -5,8 +5,8 @@ use std::io::Cursor;
 use std::path::Path;
 
 use crosscut_messages::{
-    CDR_ENCODING, Endian, Header, LaserEcho, LaserScan, Message, MultiEchoLaserScan, NumberType, PointCloud2,
-    PointField, Time,
+    CDR_ENCODING, Cloud, Endian, Header, LaserEcho, LaserScan, Message, MultiEchoLaserScan, NumberType, Odometry,
+    PointCloud2, PointField, Quaternion, TfMessage, Time, Transform, TransformStamped, Vector3,
 };
 use mcap::records::MessageHeader;
 
@@ -15,13 +15,20 @@ use crate::program::{column, results_of, run};
 
 /// An MCAP of messages on one topic, `interval_ns` apart; an empty `type_name` stands for no schema.
 fn recorded(type_name: &str, interval_ns: u64, messages: impl Iterator<Item = Vec<u8>>) -> Vec<u8> {
+    recorded_topics([("/seen", type_name, interval_ns, messages.collect())])
+}
+
+/// An MCAP of messages on several topics, each with its type and interval, topic after topic.
+fn recorded_topics<const N: usize>(topics: [(&str, &str, u64, Vec<Vec<u8>>); N]) -> Vec<u8> {
     let mut writer = mcap::WriteOptions::new().create(Cursor::new(Vec::new())).expect("memory");
-    let schema = if type_name.is_empty() { 0 } else { writer.add_schema(type_name, "ros2msg", b"").expect("memory") };
-    let channel_id = writer.add_channel(schema, "/seen", CDR_ENCODING, &Default::default()).expect("memory");
-    for (i, data) in messages.enumerate() {
-        let time = PERIOD_NS + i as u64 * interval_ns;
-        let header = MessageHeader { channel_id, sequence: i as u32, log_time: time, publish_time: time };
-        writer.write_to_known_channel(&header, &data).expect("memory");
+    for (topic, name, interval_ns, messages) in topics {
+        let schema = if name.is_empty() { 0 } else { writer.add_schema(name, "ros2msg", b"").expect("memory") };
+        let channel_id = writer.add_channel(schema, topic, CDR_ENCODING, &Default::default()).expect("memory");
+        for (i, data) in messages.into_iter().enumerate() {
+            let time = PERIOD_NS + i as u64 * interval_ns;
+            let header = MessageHeader { channel_id, sequence: i as u32, log_time: time, publish_time: time };
+            writer.write_to_known_channel(&header, &data).expect("memory");
+        }
     }
     writer.finish().expect("memory");
     writer.into_inner().into_inner()
@@ -188,6 +195,82 @@ fn the_ways_of_a_cloud_stand_in_the_results_where_they_are_asked_for() {
     }
     assert!(results_of(&flight, &["--quiet"]).1.iter().all(|line| line.get("ways").is_none()));
 }
+
+/// A level gallery along x, from which a ramp leads up to the left, seen all around by a lidar that is turned so in the gallery.
+fn at_a_ramp(turned_back: impl Fn(Vector3) -> Vector3) -> Cloud {
+    let (rise, run) = RAMP_RAD.sin_cos();
+    let is_inside = |[x, y, z]: [f64; 3]| {
+        let (along, over) = (y * run + z * rise, z * run - y * rise);
+        y.abs() < 2.0 && z.abs() < 1.5 || along > 0.0 && x.abs() < 1.6 && over.abs() < 1.4
+    };
+    let point = |at: usize| {
+        let (up, out) =
+            (((at / 256) as f64 + 0.5) / 128.0 * std::f64::consts::PI - 0.5 * std::f64::consts::PI).sin_cos();
+        let (sin, cos) = (f64::from(TAU) * (at % 256) as f64 / 256.0).sin_cos();
+        let at_m = |range_m: f64| [out * cos * range_m, out * sin * range_m, up * range_m];
+        let [x, y, z] = at_m((1..800).map(|step| 0.05 * f64::from(step)).find(|range_m| !is_inside(at_m(*range_m)))?);
+        let Vector3 { x, y, z } = turned_back(Vector3 { x, y, z });
+        Some([x, y, z])
+    };
+    Cloud { header: stamp(PERIOD_NS), points_m: (0..128 * 256).filter_map(point).collect(), ..Cloud::default() }
+}
+
+const RAMP_RAD: f64 = 0.45;
+
+/// 1.1 rad to the left, nose down, and to the side.
+const OF_VEHICLE: Quaternion = Quaternion { x: -0.16, y: 0.1, z: 0.51, w: 0.84 };
+/// 22° nose down, as lidars are mounted that look at the floor.
+const OF_MOUNT: Quaternion = Quaternion { x: 0.0, y: 0.19, z: 0.0, w: 0.98 };
+
+#[test]
+fn a_cloud_of_a_tilted_lidar_on_a_tilted_vehicle_has_level_ways_and_ramps_as_they_are() {
+    let inverse = |of: Quaternion| Quaternion { w: -of.w, ..of };
+    let cloud = at_a_ramp(|point_m| inverse(OF_MOUNT).turn(inverse(OF_VEHICLE).turn(point_m)));
+    let mut odometry = Odometry::default();
+    odometry.header = stamp(PERIOD_NS);
+    odometry.pose.pose.orientation = OF_VEHICLE;
+    let header = Header { frame_id: "base_link".into(), ..Header::default() };
+    let transform = Transform { rotation: OF_MOUNT, ..Transform::default() };
+    let transforms = vec![TransformStamped { header, child_frame_id: "lidar".into(), transform }];
+    let points = vec![PointCloud2::from(&cloud).encode(Endian::Little)];
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let flight = file(
+        folder.path(),
+        "tilted.mcap",
+        &recorded_topics([
+            ("/tf_static", TfMessage::SCHEMA_NAME, 1, vec![TfMessage { transforms }.encode(Endian::Little)]),
+            ("/odom", Odometry::SCHEMA_NAME, 1, vec![odometry.encode(Endian::Little)]),
+            ("/points", PointCloud2::SCHEMA_NAME, 1, points.clone()),
+        ]),
+    );
+    let (ran, lines) = results_of(&flight, &["--quiet", "--preset", "3d"]);
+    ran.expect_code(0);
+    let notes = lines[0]["notes"].to_string();
+    assert!(notes.contains("sensor is tilted by 21.9°") && notes.contains("vehicle is tilted by"), "{notes}");
+    // Clockwise from the heading of the vehicle.
+    let heading_rad = OF_VEHICLE.yaw_rad();
+    let quarter_rad = std::f64::consts::FRAC_PI_2;
+    let mut wanted = vec![("level", 0.0, 0.0), ("ramp_up", quarter_rad, RAMP_RAD), ("level", 2.0 * quarter_rad, 0.0)];
+    for way in lines[0]["ways"].as_array().expect("ways") {
+        let [bearing_rad, elevation_rad] =
+            ["bearing_rad", "elevation_rad"].map(|name| way[name].as_f64().expect("rad"));
+        let fits = |(kind, towards_rad, up_rad): &(&str, f64, f64)| {
+            let off_rad = (bearing_rad + heading_rad - towards_rad).rem_euclid(f64::from(TAU));
+            let off_rad = off_rad.min(f64::from(TAU) - off_rad);
+            way["kind"] == *kind && off_rad < MOST_OFF_RAD && (elevation_rad - up_rad).abs() < MOST_OFF_RAD
+        };
+        let at = wanted.iter().position(fits).unwrap_or_else(|| panic!("{way} is none of {wanted:?}"));
+        wanted.remove(at);
+    }
+    assert!(wanted.is_empty(), "{wanted:?} are not found");
+    let flight =
+        file(folder.path(), "alone.mcap", &recorded_topics([("/points", PointCloud2::SCHEMA_NAME, 1, points)]));
+    let (_, lines) = results_of(&flight, &["--quiet", "--preset", "3d"]);
+    assert!(lines[0]["notes"].to_string().contains("taken to be level"), "{}", lines[0]["notes"]);
+}
+
+/// As directions are told by cells of 4.5°.
+const MOST_OFF_RAD: f64 = 0.09;
 
 #[test]
 fn info_finds_a_frame_that_begins_late() {

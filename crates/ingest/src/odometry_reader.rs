@@ -3,8 +3,7 @@
 use std::collections::VecDeque;
 
 use crosscut_messages::{DecodeError, ODOMETRY_TOPIC};
-use crosscut_sensor::{Odometry, pose_in};
-use nalgebra::Isometry2;
+use crosscut_sensor::{Odometry, VehiclePose, pose_in};
 
 use crate::container::{self, Container, Contents, Message, TopicReader, Wait};
 use crate::topics::topics_of;
@@ -70,7 +69,7 @@ impl OdometryReader {
 
     /// The poses at the first and last of `stamps_ns`, which are times of a scan that was recorded at `recorded_ns`. Scans are
     /// asked for in order.
-    pub(crate) fn at(&mut self, stamps_ns: [u64; 2], recorded_ns: u64) -> Option<[Isometry2<f64>; 2]> {
+    pub(crate) fn at(&mut self, stamps_ns: [u64; 2], recorded_ns: u64) -> Option<[VehiclePose; 2]> {
         let [first_ns, last_ns] = stamps_ns;
         self.poses.forget_before(first_ns);
         if let Some(reader) = &mut self.reader {

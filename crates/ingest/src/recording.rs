@@ -273,10 +273,10 @@ impl Recording {
             }
             (scan, _) => {
                 if let Ok(scan) = scan
-                    && let Some((yaw_rad, upside_down)) =
+                    && let Some((yaw_rad, upside_down, tilt)) =
                         self.mount.take().and_then(|mut mount| mount.of(&scan.header().frame_id))
                 {
-                    self.sensor = self.sensor.clone().mounted(yaw_rad, upside_down);
+                    self.sensor = self.sensor.clone().mounted(yaw_rad, upside_down, tilt);
                 }
                 self.turns.push(message, &self.sensor);
             }

@@ -2,15 +2,15 @@
 
 use crosscut_messages::Cloud;
 use crosscut_scan::LevelView;
-use crosscut_stage::NoteCode::{N001, N008, N010, N027, N030, N031, N032, N062, N063};
+use crosscut_stage::NoteCode::{N001, N008, N010, N027, N030, N031, N032, N062, N063, N104, N105};
 use crosscut_stage::{Notes, Point, Revolution, Sweep, counted};
-use nalgebra::{Isometry2, Point2};
+use nalgebra::{Isometry2, Point2, UnitQuaternion, Vector3};
 
 use crate::{Motion, Sensor};
 
 /// A vehicle that moves by less than this during a scan, m, and turns by less than the angle below, is taken to stand.
 const LEAST_WAY_M: f64 = 0.05;
-/// See [`LEAST_WAY_M`], rad.
+/// See [`LEAST_WAY_M`], rad. What is tilted by less is level.
 const LEAST_TURN_RAD: f64 = 0.01;
 /// A cloud that shows the vehicle fewer returns is looked at for their heights.
 const LEAST_RETURNS: usize = 8;
@@ -69,8 +69,8 @@ impl Sensor {
         }
     }
 
-    /// Writes the points of `cloud` into `out`, without beams. If they have times and the vehicle moved as `motion` says,
-    /// they are in its frame in the middle of the scan.
+    /// Writes the points of `cloud` into `out`, without beams, in the frame of the vehicle, turned level by `motion`. If they have
+    /// times and the vehicle moved meanwhile, they are in its frame in the middle of the scan.
     pub(crate) fn moving_cloud(&self, cloud: &Cloud, motion: Option<&Motion>, out: &mut Revolution, notes: &mut Notes) {
         out.clear();
         out.stamp_ns = cloud.header.stamp.to_ns().unwrap_or(0);
@@ -81,6 +81,19 @@ impl Sensor {
         let slices = !self.rings.is_empty() && !cloud.rings.is_empty();
         if !self.rings.is_empty() && cloud.rings.is_empty() {
             notes.add(N030, "the cloud does not state rings: ingest.rings takes all points");
+        }
+        let mount = tilted(self.tilt);
+        let vehicle = motion.and_then(|motion| tilted(motion.tilt()));
+        let by_mount = ("sensor", "on its vehicle, by /tf_static; ingest.mount_from_tf = false turns this off");
+        for (tilt, (what, by)) in [(mount, by_mount), (vehicle, ("vehicle", "by its odometry"))] {
+            notes.extend(tilt.map(|tilt| {
+                let tilt_deg = tilt.transform_vector(&Vector3::z()).angle(&Vector3::z()).to_degrees();
+                (N104, format!("cloud turned level: the {what} is tilted by {tilt_deg:.1}° {by}"))
+            }));
+        }
+        out.cloud_tilt = vehicle.unwrap_or_default() * mount.unwrap_or_default();
+        if self.keeps_cloud && motion.is_none() {
+            notes.add(N105, "no odometry tells how the vehicle is tilted: taken to be level");
         }
         let motion =
             motion.filter(|motion| motion.way_m() >= LEAST_WAY_M || motion.turned_rad().abs() >= LEAST_TURN_RAD);
@@ -97,7 +110,7 @@ impl Sensor {
             }
             let [x, y, z] = [x, y, z].map(|coordinate| coordinate * self.range_scale);
             let [y, z] = if self.upside_down { [-y, -z] } else { [y, z] };
-            let point_m = Point::new(x * cos - y * sin, x * sin + y * cos, z);
+            let point_m = turned(mount, Point::new(x * cos - y * sin, x * sin + y * cos, z));
             let range_m = point_m.coords.norm();
             if !range_m.is_finite() {
             } else if range_m == 0.0 {
@@ -109,6 +122,7 @@ impl Sensor {
             } else if self.masks(point_m.y.atan2(point_m.x)) {
                 masked += 1;
             } else {
+                let point_m = turned(vehicle, point_m);
                 let time_s = cloud.times_s.get(i).filter(|time_s| time_s.is_finite());
                 out.points_m.push(match motion.zip(time_s) {
                     Some((motion, &time_s)) => in_plane(motion.in_middle(time_s), point_m),
@@ -129,6 +143,15 @@ impl Sensor {
     }
 }
 
+/// The tilt, if it makes a difference.
+fn tilted(tilt: UnitQuaternion<f64>) -> Option<UnitQuaternion<f64>> {
+    (tilt.angle() >= LEAST_TURN_RAD).then_some(tilt)
+}
+
+fn turned(tilt: Option<UnitQuaternion<f64>>, point_m: Point) -> Point {
+    tilt.map_or(point_m, |tilt| tilt * point_m)
+}
+
 /// The point as seen from `pose`, at its own height.
 fn in_plane(pose: Isometry2<f64>, point_m: Point) -> Point {
     let moved_m = pose * Point2::new(point_m.x, point_m.y);
@@ -140,6 +163,7 @@ mod tests {
     use nalgebra::Vector2;
 
     use super::*;
+    use crate::VehiclePose;
 
     #[test]
     fn points_of_a_cloud_with_times_lie_where_the_middle_of_it_sees_them() {
@@ -153,7 +177,8 @@ mod tests {
         };
         let points_m = times_s.iter().enumerate().map(seen_m).collect();
         let mut cloud = Cloud { points_m, times_s, ..Cloud::default() };
-        let motion = Motion { times_s: [0.0, scan_s], poses: [0.0, scan_s].map(pose) };
+        let level = |time_s| VehiclePose { plane: pose(time_s), tilt: UnitQuaternion::default() };
+        let motion = Motion { times_s: [0.0, scan_s], poses: [0.0, scan_s].map(level) };
         let farthest_m = |cloud: &Cloud| {
             let (mut out, mut notes) = (Revolution::default(), Notes::default());
             Sensor::default().moving_cloud(cloud, Some(&motion), &mut out, &mut notes);

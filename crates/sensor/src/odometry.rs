@@ -6,7 +6,7 @@ use crosscut_messages::{
     CDR_ENCODING, DecodeError, Odometry as OdometryMessage, Quaternion, TfMessage, TransformStamped, Vector3, ros,
 };
 use crosscut_stage::is_finite_pose;
-use nalgebra::{Isometry2, Vector2};
+use nalgebra::{Isometry2, UnitQuaternion, Vector2, Vector3 as Axis};
 
 /// The frame in which odometry is kept (REP 105).
 const ODOMETRY_FRAME: &str = "odom";
@@ -17,19 +17,35 @@ const MAX_GAP_NS: u64 = 500_000_000;
 /// Quaternions that are not normalised still turn; numbers that are none are of another length.
 const LENGTHS: RangeInclusive<f64> = 1e-3..=1e3;
 
+/// Where a vehicle is, and how it is tilted there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VehiclePose {
+    /// In the plane.
+    pub plane: Isometry2<f64>,
+    /// From the frame of the vehicle to the level one that looks where the vehicle does: its roll and pitch.
+    pub tilt: UnitQuaternion<f64>,
+}
+
+impl VehiclePose {
+    /// The pose on the straight line and the shorter turns from this one to another.
+    pub(crate) fn between(&self, to: &Self, share: f64) -> Self {
+        Self { plane: self.plane.lerp_slerp(&to.plane, share), tilt: self.tilt.nlerp(&to.tilt, share) }
+    }
+}
+
 /// Poses of the vehicle by time, in the frame of its odometry.
 #[derive(Clone, Debug, Default)]
 pub struct Odometry {
     /// By stamp, strictly ascending.
-    poses: Vec<(u64, Isometry2<f64>)>,
+    poses: Vec<(u64, VehiclePose)>,
 }
 
 impl Odometry {
     /// Adds the pose at `stamp_ns`. A pose that is not finite, or not later than the last one, is left out: returns
     /// whether it was taken.
-    pub fn push(&mut self, stamp_ns: u64, pose: Isometry2<f64>) -> bool {
+    pub fn push(&mut self, stamp_ns: u64, pose: VehiclePose) -> bool {
         let is_later = self.poses.last().is_none_or(|&(last_ns, _)| stamp_ns > last_ns);
-        let is_taken = is_later && is_finite_pose(&pose);
+        let is_taken = is_later && is_finite_pose(&pose.plane);
         if is_taken {
             self.poses.push((stamp_ns, pose));
         }
@@ -67,7 +83,7 @@ impl Odometry {
 
     /// The pose at `stamp_ns`, on the straight line and the shorter turn between the poses before and after; `None`
     /// outside the odometry or in a gap of more than half a second.
-    pub fn at(&self, stamp_ns: u64) -> Option<Isometry2<f64>> {
+    pub fn at(&self, stamp_ns: u64) -> Option<VehiclePose> {
         let after = self.poses.partition_point(|&(pose_ns, _)| pose_ns < stamp_ns);
         let &(after_ns, to) = self.poses.get(after)?;
         if after_ns == stamp_ns {
@@ -76,7 +92,7 @@ impl Odometry {
         let &(before_ns, from) = self.poses.get(after.checked_sub(1)?)?;
         let gap_ns = after_ns - before_ns;
         let share = (stamp_ns - before_ns) as f64 / gap_ns as f64;
-        (gap_ns <= MAX_GAP_NS).then(|| from.lerp_slerp(&to, share))
+        (gap_ns <= MAX_GAP_NS).then(|| from.between(&to, share))
     }
 
     /// Drops the poses before the last one that is not later than `stamp_ns`, so that memory stays flat on a long flight.
@@ -90,7 +106,7 @@ impl Odometry {
 ///
 /// # Errors
 /// When the message cannot be decoded.
-pub fn pose_in(is_odometry: bool, encoding: &str, data: &[u8]) -> Result<Option<(u64, Isometry2<f64>)>, DecodeError> {
+pub fn pose_in(is_odometry: bool, encoding: &str, data: &[u8]) -> Result<Option<(u64, VehiclePose)>, DecodeError> {
     if is_odometry {
         let odometry: OdometryMessage = ros::decode(encoding, data)?;
         let pose = odometry.pose.pose;
@@ -100,20 +116,24 @@ pub fn pose_in(is_odometry: bool, encoding: &str, data: &[u8]) -> Result<Option<
             return Err(DecodeError::Value { field: "pose.orientation", cause });
         }
         let stamp_ns = odometry.header.stamp.to_ns().unwrap_or(0);
-        return Ok(Some((stamp_ns, planar(pose.position, &pose.orientation))));
+        return Ok(Some((stamp_ns, vehicle_pose(pose.position, &pose.orientation))));
     }
     let transforms: TfMessage = ros::decode(encoding, data)?;
     let is_moving = |one: &&TransformStamped| ros::plain_frame(&one.header.frame_id) == ODOMETRY_FRAME;
     let found = transforms.transforms.iter().find(is_moving);
     Ok(found.map(|one| {
         let stamp_ns = one.header.stamp.to_ns().unwrap_or(0);
-        (stamp_ns, planar(one.transform.translation, &one.transform.rotation))
+        (stamp_ns, vehicle_pose(one.transform.translation, &one.transform.rotation))
     }))
 }
 
-/// The pose in the plane.
-fn planar(position: Vector3, orientation: &Quaternion) -> Isometry2<f64> {
-    Isometry2::new(Vector2::new(position.x, position.y), orientation.yaw_rad())
+fn vehicle_pose(position: Vector3, orientation: &Quaternion) -> VehiclePose {
+    let Quaternion { x, y, z, w } = *orientation;
+    let plane = Isometry2::new(Vector2::new(position.x, position.y), orientation.yaw_rad());
+    // Some drivers send zeros.
+    let turned = UnitQuaternion::try_new(nalgebra::Quaternion::new(w, x, y, z), 1e-9).unwrap_or_default();
+    let ahead = UnitQuaternion::from_axis_angle(&Axis::z_axis(), plane.rotation.angle());
+    VehiclePose { plane, tilt: ahead.inverse() * turned }
 }
 
 #[cfg(test)]
@@ -124,8 +144,8 @@ mod tests {
 
     use super::*;
 
-    fn pose(x_m: f64, yaw_rad: f64) -> Isometry2<f64> {
-        Isometry2::new(Vector2::new(x_m, 0.0), yaw_rad)
+    fn pose(x_m: f64, yaw_rad: f64) -> VehiclePose {
+        VehiclePose { plane: Isometry2::new(Vector2::new(x_m, 0.0), yaw_rad), tilt: UnitQuaternion::default() }
     }
 
     fn quarter_turn() -> Odometry {
@@ -137,7 +157,7 @@ mod tests {
 
     #[test]
     fn a_scan_between_two_poses_lies_between_them() {
-        let between = quarter_turn().at(150_000_000).expect("inside");
+        let between = quarter_turn().at(150_000_000).expect("inside").plane;
         assert!((between.translation.x - 2.0).abs() < 1e-12);
         assert!((between.rotation.angle() - FRAC_PI_2 / 2.0).abs() < 1e-12);
     }

@@ -8,6 +8,8 @@ use crosscut_scan::{VEHICLE_HEIGHT_M, VEHICLE_PARAMS, VEHICLE_WIDTH_M};
 use crosscut_stage::NoteCode::{N021, N022, N025, N026, N027};
 use crosscut_stage::{Beam, Flag, Notes, Number, Pairs, ParamSpec, Params, Point, Revolution, Word, counted};
 
+use nalgebra::UnitQuaternion;
+
 use crate::directions::BeamDirections;
 use crate::fan::ScanFan;
 use crate::limits::{RangeLimits, Reading, Tally};
@@ -112,6 +114,8 @@ const ROUNDING_RAD: f64 = 1e-6;
 pub struct Sensor {
     pub(crate) yaw_rad: f64,
     pub(crate) upside_down: bool,
+    /// How it is turned besides, after the yaw: the roll and pitch of its mount, which clouds have.
+    pub(crate) tilt: UnitQuaternion<f64>,
     pub(crate) min_range_m: f64,
     pub(crate) max_range_m: f64,
     masked_sectors_rad: Vec<[f64; 2]>,
@@ -155,6 +159,7 @@ impl Sensor {
         Self {
             yaw_rad: params.get(YAW_RAD),
             upside_down: params.get(UPSIDE_DOWN),
+            tilt: UnitQuaternion::default(),
             min_range_m: params.get(MIN_RANGE_M),
             max_range_m: params.get(MAX_RANGE_M),
             masked_sectors_rad: params.get(MASKED_SECTORS_RAD),
@@ -196,9 +201,10 @@ impl Sensor {
         self.takes_mount && self.yaw_rad == 0.0 && !self.upside_down
     }
 
-    /// This sensor, mounted as a recording states.
-    pub fn mounted(self, yaw_rad: f64, upside_down: bool) -> Self {
-        Self { yaw_rad, upside_down, is_mount_stated: true, ..self }
+    /// This sensor, mounted as a recording states: in the frame of the vehicle it is turned over if it hangs upside down, then
+    /// by its yaw, then tilted, which clouds alone follow.
+    pub fn mounted(self, yaw_rad: f64, upside_down: bool, tilt: UnitQuaternion<f64>) -> Self {
+        Self { yaw_rad, upside_down, tilt, is_mount_stated: true, ..self }
     }
 
     /// This sensor, whose revolutions keep all points of a cloud if `keeps` says so.
@@ -311,7 +317,7 @@ impl Sensor {
         if self.upside_down { -angle_rad } else { angle_rad }
     }
 
-    /// A place in the body frame, in the frame of the sensor.
+    /// A place in the body frame, in the frame of the sensor, if it is mounted level.
     pub fn in_sensor_frame(&self, point_m: Point) -> Point {
         let (sin, cos) = self.yaw_rad.sin_cos();
         let (x, y) = (point_m.x * cos + point_m.y * sin, point_m.y * cos - point_m.x * sin);

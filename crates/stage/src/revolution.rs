@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 use std::iter::repeat_n;
 
-use nalgebra::{Isometry2, Vector2};
+use nalgebra::{Isometry2, UnitQuaternion, Vector2};
 
 use crate::Point;
 
@@ -27,6 +27,8 @@ pub struct Revolution {
     /// Of a message that is a cloud, all its points, metres, where the affinity takes them; the returns are those that a level
     /// vehicle sees.
     pub cloud_m: Vec<Point>,
+    /// What turned `cloud_m` level, from a frame in which the axis of its lidar is upright.
+    pub cloud_tilt: UnitQuaternion<f64>,
     /// The vehicle's pose at the stamp by its odometry, in the odometry's frame, metres and radians; `None` if not known.
     pub odometry: Option<Isometry2<f64>>,
 }
@@ -162,6 +164,7 @@ impl Revolution {
         self.points_m.clear();
         self.entries.clear();
         self.cloud_m.clear();
+        self.cloud_tilt = UnitQuaternion::default();
         self.odometry = None;
         if let Some(sweep) = &mut self.sweep {
             sweep.clear();

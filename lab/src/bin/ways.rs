@@ -10,6 +10,7 @@
 //! 30 %. Of lidars that do not look everywhere, the true ways are those in view, and places are left out at which one lies
 //! within 8° of the edge of the view.
 
+use std::f64::consts::PI;
 use std::path::Path;
 use std::time::Instant;
 
@@ -18,12 +19,13 @@ use crosscut_affinity::directions::Sky;
 use crosscut_detector::{Detector, Preset, Settings};
 use crosscut_lab::solid::lidar::Lidar;
 use crosscut_lab::solid::mesh::Mesh;
-use crosscut_lab::solid::random::Random;
 use crosscut_lab::solid::truth::{RADII, Space, TrueWay};
 use crosscut_lab::solid::tubes::Network;
 use crosscut_messages::Cloud;
 use crosscut_stage::Way;
-use nalgebra::{Point3, Rotation3, Vector3};
+use nalgebra::{Point3, Rotation3, UnitQuaternion, Vector3};
+use rand::{RngExt as _, SeedableRng as _};
+use rand_pcg::Pcg64;
 
 /// Diameter of the vehicle's ball.
 const BALL_M: f64 = 0.6;
@@ -43,14 +45,14 @@ struct Place {
 type Answer = Vec<(Vector3<f64>, f64, f64)>;
 
 /// Clear places of a mesh, and how many were not.
-fn places(mesh: &Mesh, count: usize, most_leave: usize, random: &mut Random) -> (Vec<Place>, usize) {
+fn places(mesh: &Mesh, count: usize, most_leave: usize, random: &mut Pcg64) -> (Vec<Place>, usize) {
     let space = Space::new(mesh, VOXEL_M);
     let (mut found, mut unclear) = (Vec::new(), 0);
     for _ in 0..2_000_000 {
         if found.len() == count {
             break;
         }
-        let place_m = space.place_m(random.below(space.count()));
+        let place_m = space.place_m(random.random_range(0..space.count()));
         let clear_m = space.clear_m(&place_m);
         if !(0.4..10.0).contains(&clear_m) {
             continue;
@@ -86,7 +88,7 @@ fn at_one_radius(cloud_m: &[Point3<f64>]) -> Answer {
     let mut cells = vec![(0.0, 0.0); COLUMNS * ROWS];
     for point_m in cloud_m.iter().filter(|point_m| point_m.coords.norm() > 0.5 * BALL_M) {
         let range_m = point_m.coords.norm();
-        let row = ((point_m.z / range_m).clamp(-1.0, 1.0).asin() / std::f64::consts::PI + 0.5) * ROWS as f64;
+        let row = ((point_m.z / range_m).clamp(-1.0, 1.0).asin() / PI + 0.5) * ROWS as f64;
         let column = (point_m.y.atan2(point_m.x) / std::f64::consts::TAU + 0.5) * COLUMNS as f64;
         let cell = &mut cells[(row as usize).min(ROWS - 1) * COLUMNS + (column as usize).min(COLUMNS - 1)];
         *cell = (cell.0 + range_m, cell.1 + 1.0);
@@ -107,7 +109,7 @@ fn at_one_radius(cloud_m: &[Point3<f64>]) -> Answer {
             part.extend([cell.wrapping_sub(COLUMNS), cell + COLUMNS].into_iter().filter(|cell| *cell < COLUMNS * ROWS));
         }
         let towards = |cell: &usize| {
-            let elevation_rad = ((*cell / COLUMNS) as f64 + 0.5) / ROWS as f64 * std::f64::consts::PI;
+            let elevation_rad = ((*cell / COLUMNS) as f64 + 0.5) / ROWS as f64 * PI;
             let bearing_rad = ((*cell % COLUMNS) as f64 + 0.5) / COLUMNS as f64 * std::f64::consts::TAU;
             let (down, out) = (elevation_rad.cos(), elevation_rad.sin());
             Vector3::new(-out * bearing_rad.cos(), -out * bearing_rad.sin(), -down)
@@ -172,11 +174,11 @@ fn measure(
     level: &mut Detector,
     seed: u64,
 ) -> anyhow::Result<Figures> {
-    let (mut figures, mut sky, mut random) = (Figures::default(), Sky::default(), Random::new(seed));
+    let (mut figures, mut sky, mut random) = (Figures::default(), Sky::default(), Pcg64::seed_from_u64(seed));
     let [low_deg, high_deg] = lidar.view_deg();
     for (mesh, places) in all {
         for Place { place_m, ways } in places {
-            let bearing_rad = random.between(-3.14, 3.14);
+            let bearing_rad = random.random_range(-PI..PI);
             let axis = nalgebra::Unit::new_unchecked(Vector3::new(bearing_rad.cos(), bearing_rad.sin(), 0.0));
             let turned = Rotation3::from_axis_angle(&axis, tilt_deg.to_radians());
             let seen: Vec<TrueWay> =
@@ -191,7 +193,7 @@ fn measure(
                 seen.iter().filter(|way| (low_deg..=high_deg).contains(&elevation_deg(way))).collect();
             let cloud_m = lidar.cloud_m(mesh, place_m, &turned, &mut random);
             let started = Instant::now();
-            sky.look(&cloud_m, BALL_M);
+            sky.look(&cloud_m, &UnitQuaternion::default(), BALL_M);
             let found = of_ways(sky.ways().iter().map(|found| &found.way));
             figures.ms += started.elapsed().as_secs_f64() * 1e3;
             let message = Cloud {
@@ -236,7 +238,7 @@ fn main() -> anyhow::Result<()> {
     let usage = "ways own|mesh|tiles COUNT SEED [MESH...]";
     let [set, count, seed] = args.first_chunk().context(usage)?;
     let (count, seed): (usize, u64) = (count.parse().context(usage)?, seed.parse().context(usage)?);
-    let mut random = Random::new(seed);
+    let mut random = Pcg64::seed_from_u64(seed);
     let (mut all, mut unclear) = (Vec::new(), 0);
     let mut add = |mesh: Mesh, count: usize, most_leave: usize| {
         let (found, not) = places(&mesh, count, most_leave, &mut random);

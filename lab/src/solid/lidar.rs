@@ -3,9 +3,11 @@
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Point3, Rotation3, Vector3};
+use rand::RngExt as _;
+use rand_distr::StandardNormal;
+use rand_pcg::Pcg64;
 
 use super::mesh::Mesh;
-use super::random::Random;
 
 /// A pattern of beams.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,21 +80,21 @@ impl Lidar {
         mesh: &Mesh,
         place_m: &Point3<f64>,
         turned: &Rotation3<f64>,
-        random: &mut Random,
+        random: &mut Pcg64,
     ) -> Vec<Point3<f64>> {
         let mut points_m = Vec::new();
         let own = towards_own(random);
         for beam in self.beams() {
             let mut range_m = mesh.range_m(place_m, &(turned * beam));
-            if !range_m.is_finite() || range_m > 60.0 || random.share() < 0.02 {
+            if !range_m.is_finite() || range_m > 60.0 || random.random_bool(0.02) {
                 continue;
             }
-            range_m += 0.02 * random.normal();
-            if random.share() < 0.005 {
-                range_m *= random.between(0.1, 0.9);
+            range_m += 0.02 * random.sample::<f64, _>(StandardNormal);
+            if random.random_bool(0.005) {
+                range_m *= random.random_range(0.1..0.9);
             }
             if own.iter().any(|(part, cos)| part.dot(&beam) > *cos) {
-                range_m = random.between(0.15, 0.28);
+                range_m = random.random_range(0.15..0.28);
             }
             points_m.push(Point3::from(beam * range_m.max(0.05)));
         }
@@ -101,10 +103,10 @@ impl Lidar {
 }
 
 /// Parts of the vehicle: posts below the sensor.
-fn towards_own(random: &mut Random) -> Vec<(Vector3<f64>, f64)> {
-    let posts = random.below(3);
+fn towards_own(random: &mut Pcg64) -> Vec<(Vector3<f64>, f64)> {
+    let posts = random.random_range(0..3);
     let post = |_| {
-        let bearing_rad = random.between(-PI, PI);
+        let bearing_rad = random.random_range(-PI..PI);
         (Vector3::new(bearing_rad.cos(), bearing_rad.sin(), -0.7).normalize(), f64::cos(0.06))
     };
     (0..posts).map(post).collect()

@@ -2,6 +2,5 @@
 
 pub mod lidar;
 pub mod mesh;
-pub mod random;
 pub mod truth;
 pub mod tubes;

@@ -1,11 +1,14 @@
 //! Networks of tubes in rock: level galleries, ramps, raises and winzes, and tubes that cross above each other.
 
+use std::f64::consts::{PI, TAU};
+
 use fast_surface_nets::ndshape::{RuntimeShape, Shape as _};
 use fast_surface_nets::{SurfaceNetsBuffer, surface_nets};
 use nalgebra::{Point3, Rotation3, Vector3};
+use rand::{RngExt as _, SeedableRng as _};
+use rand_pcg::Pcg64;
 
 use super::mesh::Mesh;
-use super::random::Random;
 
 struct Tube {
     from_m: Point3<f64>,
@@ -35,53 +38,57 @@ pub struct Network {
 
 const KINDS: [&str; 3] = ["level", "ramp", "shaft"];
 
+fn sign(random: &mut Pcg64) -> f64 {
+    if random.random() { 1.0 } else { -1.0 }
+}
+
 impl Network {
     /// The network of a seed.
     pub fn new(seed: u64) -> Self {
-        let mut random = Random::new(seed);
+        let mut random = Pcg64::seed_from_u64(seed);
         let mut tubes = Vec::new();
-        let usual_m = random.between(1.0, 2.5);
+        let usual_m = random.random_range(1.0..2.5);
         let mut nodes = vec![(Point3::origin(), 0)];
         let mut done = 0;
         while let Some(&(node_m, depth)) = nodes.get(done) {
             done += 1;
-            let arms = if depth == 0 { 2 + random.below(4) } else { 1 + random.below(3) };
+            let arms = if depth == 0 { 2 + random.random_range(0..4) } else { 1 + random.random_range(0..3) };
             let mut taken: Vec<Vector3<f64>> = tubes
                 .iter()
                 .filter(|tube: &&Tube| tube.to_m == node_m)
                 .map(|tube| (tube.from_m - tube.to_m).normalize())
                 .collect();
             for _ in 0..arms {
-                let kind = KINDS[[0, 0, 0, 1, 1, 2][random.below(6)]];
+                let kind = KINDS[[0, 0, 0, 1, 1, 2][random.random_range(0..6)]];
                 let towards = loop {
                     let elevation_rad = match kind {
-                        "level" => random.between(-0.08, 0.08),
-                        "ramp" => random.sign() * random.between(0.2, 0.55),
-                        _ => random.sign() * random.between(1.25, 1.57),
+                        "level" => random.random_range(-0.08..0.08),
+                        "ramp" => sign(&mut random) * random.random_range(0.2..0.55),
+                        _ => sign(&mut random) * random.random_range(1.25..1.57),
                     };
                     let (up, out) = f64::sin_cos(elevation_rad);
-                    let bearing_rad = random.between(-3.14, 3.14);
+                    let bearing_rad = random.random_range(-PI..PI);
                     let towards = Vector3::new(out * bearing_rad.cos(), out * bearing_rad.sin(), up);
                     let apart = taken.iter().all(|other| other.dot(&towards) < f64::cos(0.9));
-                    if apart || random.below(30) == 0 {
+                    if apart || random.random_range(0..30) == 0 {
                         break apart.then_some(towards);
                     }
                 };
                 let Some(towards) = towards else { continue };
                 taken.push(towards);
-                let radius_m = usual_m * random.between(0.7, 1.25);
-                let to_m = node_m + towards * usual_m * random.between(4.5, 7.0);
-                let floor_m = (kind != "shaft").then(|| radius_m * random.between(0.6, 1.0));
+                let radius_m = usual_m * random.random_range(0.7..1.25);
+                let to_m = node_m + towards * usual_m * random.random_range(4.5..7.0);
+                let floor_m = (kind != "shaft").then(|| radius_m * random.random_range(0.6..1.0));
                 tubes.push(Tube { from_m: node_m, to_m, radius_m, floor_m });
-                if depth < 1 && random.below(3) > 0 {
+                if depth < 1 && random.random_range(0..3) > 0 {
                     nodes.push((to_m, depth + 1));
                 }
             }
         }
         // A gallery above or below the first place, with rock between.
-        if random.below(3) == 0 {
-            let height_m = random.sign() * usual_m * random.between(3.0, 4.5);
-            let bearing_rad = random.between(-3.14, 3.14);
+        if random.random_range(0..3) == 0 {
+            let height_m = sign(&mut random) * usual_m * random.random_range(3.0..4.5);
+            let bearing_rad = random.random_range(-PI..PI);
             let half = Vector3::new(bearing_rad.cos(), bearing_rad.sin(), 0.0) * 12.0;
             let middle = Point3::new(0.0, 0.0, height_m);
             tubes.push(Tube {
@@ -91,13 +98,14 @@ impl Network {
                 floor_m: Some(0.8 * usual_m),
             });
         }
-        let rough_m = usual_m * random.between(0.03, 0.12);
+        let rough_m = usual_m * random.random_range(0.03..0.12);
         let waves = (0..24).map(|i| {
             let length_m = 0.7 * 1.15_f64.powi(i);
-            let turned = Rotation3::from_euler_angles(random.between(0.0, 6.28), random.between(0.0, 6.28), 0.0);
+            let turned =
+                Rotation3::from_euler_angles(random.random_range(0.0..TAU), random.random_range(0.0..TAU), 0.0);
             (
-                turned * Vector3::x() * (std::f64::consts::TAU / length_m),
-                random.between(0.0, 6.28),
+                turned * Vector3::x() * (TAU / length_m),
+                random.random_range(0.0..TAU),
                 rough_m * (length_m / 4.0).min(1.0),
             )
         });

@@ -30,6 +30,7 @@ pub use ways::Found;
 use crosscut_scan::VEHICLE_WIDTH_M;
 use crosscut_stage::{Affinity, AffinityStage, Beam, Dual, Kind, Notes, Point, Revolution, StageError};
 
+use nalgebra::{UnitQuaternion, Vector3};
 use sight::{Seen, Sight};
 use sphere::Sphere;
 
@@ -68,9 +69,15 @@ pub struct Sky {
     reach_m: Vec<f64>,
     /// The radius of the largest ball around the sensor, metres.
     pub room_m: f64,
+    /// From the frame of the sphere, in which the axis of the lidar is upright, to the level one.
+    tilt: UnitQuaternion<f64>,
 }
 
 impl Sky {
+    fn is_level(&self) -> bool {
+        self.tilt == UnitQuaternion::default()
+    }
+
     /// Cuts the sphere, or the horizon, into so many cells. (The horizon has fewer than any sphere.)
     fn cut(&mut self, cells: usize, of: fn(usize) -> Sphere) {
         if self.made_for != cells {
@@ -78,8 +85,16 @@ impl Sky {
         }
     }
 
-    /// Looks at a cloud, for a vehicle of this width.
-    pub fn look(&mut self, points_m: &[Point], width_m: f64) {
+    /// Looks at a cloud that `tilt` turned level ([`Revolution::cloud_tilt`]), for a vehicle of this width.
+    pub fn look(&mut self, points_m: &[Point], tilt: &UnitQuaternion<f64>, width_m: f64) {
+        self.tilt = *tilt;
+        let upright_m: Vec<Point>;
+        let points_m = if self.is_level() {
+            points_m
+        } else {
+            upright_m = points_m.iter().map(|point_m| tilt.inverse_transform_point(point_m)).collect();
+            &upright_m
+        };
         let mut wanted = CELLS.min(points_m.len() / LEAST_POINTS).max(LEAST_CELLS).next_multiple_of(100);
         loop {
             self.cut(wanted, Sphere::of);
@@ -95,6 +110,7 @@ impl Sky {
 
     /// Looks at the returns of a level sweep.
     fn look_level(&mut self, revolution: &Revolution, width_m: f64) {
+        self.tilt = UnitQuaternion::default();
         let sweep = revolution.beams();
         let beams = sweep.map_or(revolution.len(), |sweep| sweep.len() + sweep.missing);
         let cells = LEVEL_CELLS.min(beams).max(16);
@@ -103,7 +119,7 @@ impl Sky {
         if let Some(sweep) = sweep {
             let mut looked_at = vec![false; cells];
             for (beam, bearing_rad) in sweep.beams.iter().zip(&sweep.bearings_rad) {
-                let towards = nalgebra::Vector3::new(bearing_rad.cos(), bearing_rad.sin(), 0.0);
+                let towards = Vector3::new(bearing_rad.cos(), bearing_rad.sin(), 0.0);
                 looked_at[self.sphere.cell(&towards, 1.0)] |= *beam != Beam::Unknown;
             }
             let unseen = self.sight.seen.iter_mut().zip(looked_at).filter(|(_, looked_at)| !looked_at);
@@ -122,7 +138,23 @@ impl Sky {
         if !self.room_m.is_finite() {
             return Vec::new();
         }
-        ways::find(&self.sphere, &self.sight, &self.reach_m, self.room_m)
+        let mut found = ways::find(&self.sphere, &self.sight, &self.reach_m, self.room_m);
+        found.iter_mut().for_each(|found| found.way.direction = self.leveled(found.way.direction));
+        found
+    }
+
+    fn leveled(&self, direction: Vector3<f64>) -> Vector3<f64> {
+        if self.is_level() { direction } else { self.tilt * direction }
+    }
+
+    /// The lowest and the highest elevation at which something is known, radians; 0 of nothing.
+    fn view_rad(&self) -> [f64; 2] {
+        if self.is_level() {
+            return self.sight.view_rad(&self.sphere);
+        }
+        let known = self.sphere.directions.iter().zip(&self.sight.seen).filter(|(_, seen)| **seen != Seen::Unknown);
+        let elevations_rad = known.map(|(direction, _)| [(self.tilt * direction).z.clamp(-1.0, 1.0).asin(); 2]);
+        elevations_rad.reduce(|[low, high], [at, _]| [low.min(at), high.max(at)]).unwrap_or_default()
     }
 }
 
@@ -132,7 +164,7 @@ impl AffinityStage for Directions {
         if revolution.cloud_m.is_empty() {
             sky.look_level(revolution, *width_m);
         } else {
-            sky.look(&revolution.cloud_m, *width_m);
+            sky.look(&revolution.cloud_m, &revolution.cloud_tilt, *width_m);
         }
         let ways = sky.ways();
         let mut row_of = vec![None; sky.sphere.len()];
@@ -159,10 +191,13 @@ impl AffinityStage for Directions {
             w.end_row();
         }
         out.dual = Some(Dual {
-            directions: cells.iter().map(|(cell, _)| sky.sphere.directions[*cell as usize].into_inner()).collect(),
+            directions: cells
+                .iter()
+                .map(|(cell, _)| sky.leveled(sky.sphere.directions[*cell as usize].into_inner()))
+                .collect(),
             way_of_row: cells.iter().map(|(_, of)| *of).collect(),
             ways: ways.iter().map(|found| found.way).collect(),
-            view_rad: sky.sight.view_rad(&sky.sphere),
+            view_rad: sky.view_rad(),
             cut_m: if sky.room_m.is_finite() { ways::APART * sky.room_m } else { 0.0 },
         });
         Ok(())

@@ -1,5 +1,7 @@
 //! How far one sees in each direction.
 
+use std::ops::Range;
+
 use nalgebra::Vector3;
 
 use super::sphere::Sphere;
@@ -7,7 +9,8 @@ use crosscut_stage::Point;
 
 /// Of the returns of a cell, this share may be nearer than what is seen there: dust, and the rim of something beside it.
 const NEARER_SHARE: f64 = 0.25;
-/// A ring of cells is looked at if a return is in this share of its cells or more.
+/// A ring of cells is looked at if a return is in this share of its cells or more; and at the edge, if it has as large a share of
+/// the returns of the ring beside it.
 const LOOKED_AT_SHARE: f64 = 0.5;
 
 /// What a cell of the sphere shows.
@@ -78,21 +81,32 @@ impl Sight {
         }
     }
 
-    /// Makes cells unknown that the sensor does not look at: rings with returns in few cells. Says whether such a ring lies
-    /// between others.
+    /// Makes cells unknown that the sensor does not look at: rings with returns in few cells, and one at the edge of the view that
+    /// has far fewer returns than the ring beside it, as the view ends in it. Says whether such a ring lies between others.
     pub(super) fn hide_unseen(&mut self, sphere: &Sphere) -> bool {
-        let (mut changes, mut was_seen) = (0, false);
-        for ring in sphere.rings() {
-            let of_ring = &mut self.seen[ring.clone()];
-            let looked_at = of_ring.iter().filter(|seen| **seen != Seen::Nothing).count();
-            let is_seen = looked_at as f64 >= LOOKED_AT_SHARE * ring.len() as f64;
-            changes += usize::from(is_seen && !was_seen);
-            was_seen = is_seen;
-            if !is_seen {
-                of_ring.iter_mut().filter(|seen| **seen == Seen::Nothing).for_each(|seen| *seen = Seen::Unknown);
+        let Self { seen, starts, .. } = self;
+        let rings = sphere.rings();
+        let is_looked_at = |ring: &Range<usize>| {
+            let looked_at = seen[ring.clone()].iter().filter(|seen| **seen != Seen::Nothing).count();
+            looked_at as f64 >= LOOKED_AT_SHARE * ring.len() as f64
+        };
+        let looked_at: Vec<bool> = rings.iter().map(is_looked_at).collect();
+        let is_between = looked_at.chunk_by(|a, b| a == b).filter(|run| run[0]).count() > 1;
+        for (ring, _) in rings.iter().zip(&looked_at).filter(|(_, looked_at)| !**looked_at) {
+            seen[ring.clone()].iter_mut().filter(|seen| **seen == Seen::Nothing).for_each(|seen| *seen = Seen::Unknown);
+        }
+        let returns = |ring: &Range<usize>| f64::from(starts[ring.end] - starts[ring.start]) / ring.len() as f64;
+        let ends = [looked_at.iter().position(|is| *is), looked_at.iter().rposition(|is| *is)];
+        if let [Some(first), Some(last)] = ends
+            && first + 1 < last
+        {
+            for (edge, inner) in [(first, first + 1), (last, last - 1)] {
+                if returns(&rings[edge]) < LOOKED_AT_SHARE * returns(&rings[inner]) {
+                    seen[rings[edge].clone()].fill(Seen::Unknown);
+                }
             }
         }
-        changes > 1
+        is_between
     }
 
     /// The lowest and the highest elevation at which something is known, radians; 0 of nothing.

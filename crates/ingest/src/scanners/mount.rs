@@ -1,7 +1,9 @@
 //! How the fixed transforms of a recording mount a single sensor on its vehicle.
 
+use std::f64::consts::PI;
+
 use crosscut_sensor::Sensor;
-use nalgebra::Vector3;
+use nalgebra::{UnitQuaternion, Vector3};
 
 use super::frames::Frames;
 use crate::CsvGeometry;
@@ -13,8 +15,8 @@ const WORLD: [&str; 3] = ["map", "odom", "world"];
 /// The plane of a sensor that is mounted level is tilted by less than this, rad.
 const LEVEL_RAD: f64 = 0.5;
 
-/// A yaw below this makes no difference, rad.
-const LEAST_YAW_RAD: f64 = 0.01;
+/// A turn below this makes no difference, rad.
+const LEAST_TURN_RAD: f64 = 0.01;
 
 /// The fixed transforms, until the frame of the sensor is known.
 pub(crate) struct Mount(Frames);
@@ -30,11 +32,12 @@ impl Mount {
         Some(Self(Frames::read_static(reopened.collect(), is_stream)))
     }
 
-    /// Yaw in rad of a sensor with this frame in that of its vehicle, and whether it hangs upside down; `None` if the
-    /// recording does not state it (a stream: up to now), if it is not level, or looks ahead as it is.
+    /// Yaw in rad of a sensor with this frame in that of its vehicle, whether it hangs upside down, and how it is tilted besides
+    /// ([`Sensor::mounted`]); one that is far from level is tilted alone. `None` if the recording does not state it (a stream: up
+    /// to now), or if the sensor stands upright and looks ahead.
     ///
     /// The frame of the vehicle is the first above the sensor's whose name has `base` in it, else the topmost.
-    pub(crate) fn of(&mut self, frame: &str) -> Option<(f64, bool)> {
+    pub(crate) fn of(&mut self, frame: &str) -> Option<(f64, bool, UnitQuaternion<f64>)> {
         self.0.read_on();
         let line = self.0.line(frame);
         let mut above = line.iter().skip(1).filter(|name| !WORLD.contains(*name));
@@ -42,9 +45,12 @@ impl Mount {
         let rotation = self.0.pose(frame, vehicle, 0)?.rotation;
         let (ahead, up) = (rotation * Vector3::x(), rotation * Vector3::z());
         let is_level = up.z.abs() > LEVEL_RAD.cos();
-        let (yaw_rad, upside_down) = (ahead.y.atan2(ahead.x), up.z < 0.0);
-        let yaw_rad = if yaw_rad.abs() < LEAST_YAW_RAD { 0.0 } else { yaw_rad };
-        (is_level && (yaw_rad != 0.0 || upside_down)).then_some((yaw_rad, upside_down))
+        let (yaw_rad, upside_down) = if is_level { (ahead.y.atan2(ahead.x), up.z < 0.0) } else { (0.0, false) };
+        let over = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), if upside_down { PI } else { 0.0 });
+        let tilt = rotation * (UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw_rad) * over).inverse();
+        let yaw_rad = if yaw_rad.abs() < LEAST_TURN_RAD { 0.0 } else { yaw_rad };
+        let is_turned = yaw_rad != 0.0 || upside_down || tilt.angle() >= LEAST_TURN_RAD;
+        is_turned.then_some((yaw_rad, upside_down, tilt))
     }
 }
 
@@ -73,16 +79,21 @@ mod tests {
     #[test]
     fn a_sensor_is_turned_as_it_lies_in_the_frame_of_its_vehicle() {
         let chain = [("odom", "base_link", LEFT), ("base_link", "mast", AHEAD), ("mast", "laser", LEFT)];
-        let (yaw_rad, upside_down) = mount(&chain).of("/laser").expect("stated");
-        assert!((yaw_rad - FRAC_PI_2).abs() < 1e-12 && !upside_down);
+        let (yaw_rad, upside_down, tilt) = mount(&chain).of("/laser").expect("stated");
+        assert!((yaw_rad - FRAC_PI_2).abs() < 1e-12 && !upside_down && tilt.angle() < 1e-7);
         let hangs = mount(&[("base_link", "laser", [1.0, 0.0, 0.0, 0.0])]).of("laser");
-        assert!(hangs.is_some_and(|(yaw_rad, upside_down)| yaw_rad.abs() < 1e-12 && upside_down), "{hangs:?}");
+        assert!(hangs.is_some_and(|(yaw_rad, upside_down, _)| yaw_rad.abs() < 1e-12 && upside_down), "{hangs:?}");
     }
 
     #[test]
-    fn what_looks_ahead_stands_upright_or_is_unknown_needs_no_mount() {
+    fn what_looks_down_is_tilted_and_what_looks_ahead_or_is_unknown_needs_no_mount() {
         assert_eq!(mount(&[("base_link", "laser", AHEAD)]).of("laser"), None);
-        assert_eq!(mount(&[("base_link", "laser", [0.0, LEFT[2], 0.0, LEFT[3]])]).of("laser"), None, "looks up");
+        let looks_down = mount(&[("base_link", "laser", [0.0, LEFT[2], 0.0, LEFT[3]])]).of("laser");
+        assert!(
+            looks_down.is_some_and(|(yaw_rad, over, tilt)| yaw_rad == 0.0
+                && !over
+                && (tilt * nalgebra::Vector3::x()).z < -0.99)
+        );
         assert_eq!(mount(&[("odom", "laser", LEFT)]).of("laser"), None, "no vehicle");
         assert_eq!(mount(&[]).of("laser"), None);
     }
