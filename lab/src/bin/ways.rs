@@ -7,8 +7,9 @@
 //! ```
 //!
 //! An answer is right if it has as many ways as are true, and for each of these one within 20° whose clearance is within
-//! 30 %. Of lidars that do not look everywhere, the true ways are those in view, and places are left out at which one lies
-//! within 8° of the edge of the view.
+//! 30 %. Of lidars that do not look everywhere, the true ways are those whose middle is in view; places are left out at which one
+//! lies within 8° of the edge of the view. Of a way whose middle is beyond, a part may be in view: an answer within 45° of it is
+//! neither asked for nor wrong.
 
 use std::f64::consts::PI;
 use std::path::Path;
@@ -32,6 +33,8 @@ const BALL_M: f64 = 0.6;
 const VOXEL_M: f64 = 0.2;
 const EDGE_DEG: f64 = 8.0;
 const MOST_OFF_DEG: f64 = 20.0;
+/// An answer this near to a way whose middle is beyond the view is a part of it.
+const PART_DEG: f64 = 45.0;
 const TILT_DEG: f64 = 15.0;
 /// A shaft is steeper than that of `Way::kind`, degrees.
 const SHAFT_DEG: f64 = 50.0;
@@ -71,8 +74,17 @@ fn places(mesh: &Mesh, count: usize, most_leave: usize, random: &mut Pcg64) -> (
         if clear_m < 0.7 * room_m || room_m < 0.6 {
             continue;
         }
-        let mut at = space.ways(&place_m, 0.5 * BALL_M, &RADII.map(|radii| radii * room_m));
-        if at.iter().all(|ways| ways.len() == at[0].len()) && !at[0].is_empty() {
+        let ways = |radii: &[f64]| {
+            let radii_m: Vec<f64> = radii.iter().map(|radii| radii * room_m).collect();
+            space.ways(&place_m, 0.5 * BALL_M, &radii_m)
+        };
+        let are_clear = |at: &[Vec<TrueWay>]| at.iter().all(|ways| ways.len() == at[0].len()) && !at[0].is_empty();
+        // Most places that are not clear show it nearby, where it costs least to see.
+        let mut at = ways(&RADII[..2]);
+        if are_clear(&at) {
+            at = ways(&RADII);
+        }
+        if are_clear(&at) {
             found.push(Place { place_m, ways: at.swap_remove(RADII.len() / 2) });
         } else {
             unclear += 1;
@@ -137,6 +149,22 @@ fn is_right(truth: &[&TrueWay], answer: &Answer) -> [bool; 2] {
     [count, count && each]
 }
 
+/// Leaves out the answers that are parts of these ways, whose middles are beyond the view: of each, the nearest that is no
+/// nearer to one in view.
+fn without_parts(beyond: &[&TrueWay], truth: &[&TrueWay], answer: &mut Answer) {
+    for way in beyond {
+        let near = |(direction, ..): &(Vector3<f64>, f64, f64)| direction.dot(&way.direction);
+        let is_part = |found: &(Vector3<f64>, f64, f64)| {
+            near(found) > PART_DEG.to_radians().cos()
+                && truth.iter().all(|other| other.direction.dot(&found.0) < near(found))
+        };
+        let parts = (0..answer.len()).filter(|at| is_part(&answer[*at]));
+        if let Some(part) = parts.max_by(|a, b| near(&answer[*a]).total_cmp(&near(&answer[*b]))) {
+            answer.remove(part);
+        }
+    }
+}
+
 #[derive(Default)]
 struct Figures {
     places: usize,
@@ -189,8 +217,8 @@ fn measure(
             if lidar != Lidar::Full && seen.iter().any(at_edge) {
                 continue;
             }
-            let truth: Vec<&TrueWay> =
-                seen.iter().filter(|way| (low_deg..=high_deg).contains(&elevation_deg(way))).collect();
+            let (truth, beyond): (Vec<&TrueWay>, Vec<&TrueWay>) =
+                seen.iter().partition(|way| (low_deg..=high_deg).contains(&elevation_deg(way)));
             let cloud_m = lidar.cloud_m(mesh, place_m, &turned, &mut random);
             let started = Instant::now();
             sky.look(&cloud_m, &UnitQuaternion::default(), BALL_M);
@@ -205,7 +233,10 @@ fn measure(
             let openings = frame.junction.openings.iter();
             let sliced =
                 openings.map(|o| (Vector3::new(o.bearing_rad.cos(), o.bearing_rad.sin(), 0.0), o.width_m, 0.0));
-            let answers = [sliced.collect(), at_one_radius(&cloud_m), found];
+            // As the confidence of the results: without a way, 0.5.
+            let least = found.iter().map(|(.., p)| *p).reduce(f64::min).unwrap_or(0.5);
+            let mut answers = [sliced.collect(), at_one_radius(&cloud_m), found];
+            answers.iter_mut().for_each(|answer| without_parts(&beyond, &truth, answer));
             figures.places += 1;
             for (at, answer) in answers.iter().enumerate() {
                 let [count, right] = is_right(&truth, answer);
@@ -213,7 +244,6 @@ fn measure(
                 figures.right[at] += usize::from(right);
             }
             let [count, _] = is_right(&truth, &answers[2]);
-            let least = answers[2].iter().map(|(.., p)| *p).fold(1.0, f64::min);
             let of_p = figures.by_p.entry((100.0 * least) as u64).or_default();
             (of_p[0], of_p[1]) = (of_p[0] + usize::from(count), of_p[1] + 1);
             if least >= 0.9 {

@@ -6,7 +6,7 @@
 //! local radii, the local radius being that of the largest ball whose centre lies in the largest one about the place.
 
 use std::cmp::Reverse;
-use std::collections::{BinaryHeap, HashMap};
+use std::collections::{BinaryHeap, HashSet};
 
 use nalgebra::{Point3, Vector3};
 
@@ -163,48 +163,55 @@ impl Space {
     pub fn ways(&self, place_m: &Point3<f64>, radius_m: f64, radii_m: &[f64]) -> Vec<Vec<TrueWay>> {
         let most_m = radii_m.iter().copied().fold(0.0, f64::max);
         let fits = |voxel: usize| self.clear_of(voxel) > radius_m;
-        let mut ways_m: HashMap<usize, f64> = HashMap::new();
+        // Of each voxel one more than the way to it, metres, and 0 where none leads; and the voxels that are reached.
+        let (mut reached_m, mut reached) = (vec![0.0; self.count()], Vec::new());
         let mut open = BinaryHeap::new();
         let key = |way_m: f64| Reverse((way_m * 1e6) as u64);
         if let Some(start) = self.voxel(place_m).filter(|start| fits(*start)) {
-            ways_m.insert(start, 0.0);
+            reached_m[start] = 1.0;
+            reached.push(start);
             open.push((key(0.0), start));
         }
         while let Some((at_key, at)) = open.pop() {
-            let way_m = ways_m[&at];
+            let way_m = reached_m[at] - 1.0;
             if at_key != key(way_m) {
                 continue;
             }
             for (next, steps) in self.beside(at).filter(|(next, _)| fits(*next)) {
                 let next_m = way_m + steps * self.voxel_m;
-                if next_m <= 1.5 * most_m && ways_m.get(&next).is_none_or(|known_m| next_m < *known_m) {
-                    ways_m.insert(next, next_m);
+                let known_m = reached_m[next];
+                if next_m <= 1.5 * most_m && (known_m == 0.0 || next_m + 1.0 < known_m) {
+                    if known_m == 0.0 {
+                        reached.push(next);
+                    }
+                    reached_m[next] = next_m + 1.0;
                     open.push((key(next_m), next));
                 }
             }
         }
+        reached.sort_unstable();
+        let ways_m: Vec<(usize, f64)> = reached.into_iter().map(|voxel| (voxel, reached_m[voxel] - 1.0)).collect();
         radii_m.iter().map(|rho_m| self.cut(place_m, *rho_m, &ways_m)).collect()
     }
 
-    fn cut(&self, place_m: &Point3<f64>, rho_m: f64, ways_m: &HashMap<usize, f64>) -> Vec<TrueWay> {
+    fn cut(&self, place_m: &Point3<f64>, rho_m: f64, ways_m: &[(usize, f64)]) -> Vec<TrueWay> {
         let off_m = |voxel: usize| (self.middle_m(voxel) - place_m).norm();
         let thick_m = 1.75 * self.voxel_m;
-        let mut shell: Vec<usize> = ways_m
+        let shell: Vec<usize> = ways_m
             .iter()
-            .filter(|(voxel, way_m)| **way_m <= 1.5 * rho_m && (rho_m..rho_m + thick_m).contains(&off_m(**voxel)))
+            .filter(|(voxel, way_m)| *way_m <= 1.5 * rho_m && (rho_m..rho_m + thick_m).contains(&off_m(*voxel)))
             .map(|(voxel, _)| *voxel)
             .collect();
-        shell.sort_unstable();
-        let mut left: HashMap<usize, ()> = shell.iter().map(|voxel| (*voxel, ())).collect();
+        let mut left: HashSet<usize> = shell.iter().copied().collect();
         let mut found = Vec::new();
         for first in shell {
-            if left.remove(&first).is_none() {
+            if !left.remove(&first) {
                 continue;
             }
             let (mut part, mut at) = (vec![first], 0);
             while let Some(&voxel) = part.get(at) {
                 at += 1;
-                part.extend(self.beside(voxel).map(|(next, _)| next).filter(|next| left.remove(next).is_some()));
+                part.extend(self.beside(voxel).map(|(next, _)| next).filter(|next| left.remove(next)));
             }
             part.sort_unstable();
             let sum: Vector3<f64> = part.iter().map(|voxel| (self.middle_m(*voxel) - place_m).normalize()).sum();

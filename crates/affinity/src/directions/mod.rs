@@ -5,8 +5,10 @@
 //!
 //! 1. **Cells.** The sphere is cut into cells of nearly one size, at most 2,000, of about 8 points each or more, and none so low
 //!    that it lies between two rings of the lidar. A cell shows the return that a quarter of its returns are nearer than, so that
-//!    dust does not count. Returns within half the vehicle's width are of the vehicle. A ring of cells at one elevation with returns in fewer than half of them is not looked at;
-//!    elsewhere a cell without a return is open.
+//!    dust does not count. Returns within half the vehicle's width are of the vehicle. A ring of cells at one elevation with returns
+//!    in fewer than half of them is not looked at, nor is one at the edge with fewer than half of the returns of the one beside it:
+//!    in a part of a cell, a few returns of dust would count. Elsewhere a cell without a return is open. Rings lie about the axis
+//!    of the lidar, as it is tilted.
 //! 2. **Room.** R is the radius of the largest ball that holds no return and whose centre lies in the one about the sensor.
 //! 3. **Reach.** F(e) is how far the vehicle's ball, of radius r, gets straight on in direction e: the least p·e - √(r² - |p -
 //!    (p·e) e|²) over the returns p that are nearer than r to the ray.
@@ -14,8 +16,8 @@
 //!    W_ii = 1. The components are the ways, if one of their cells has F(e) >= 2.475 R. Rock that reaches between two ways nearer than
 //!    2.25 R tells them apart, and a recess that is not as deep is none.
 //! 5. **What stays.** p of a way is the share of right answers, on development seeds, whose least way stays by itself at as
-//!    many of five distances from 1.75 to 2.75 R; less where the view cuts it, and where it takes up half a turn, as in a place
-//!    that is wide for its height.
+//!    many of five distances from 1.75 to 2.75 R; less where the view cuts it or is narrow, where it takes up half a turn, as in a
+//!    place that is wide for its height, and where R is hardly more than r: then it is rather the vehicle that is seen.
 //!
 //! The direction of a way is the mean of its cells, by the square of the room around the point 2.36 R away on each, or that in
 //! which the vehicle gets farthest, if the way is not open at its mean; its clearance is twice the largest of these rooms. Of a scan without a cloud, the cells are those of the horizon, 1° wide.
@@ -69,6 +71,8 @@ pub struct Sky {
     reach_m: Vec<f64>,
     /// The radius of the largest ball around the sensor, metres.
     pub room_m: f64,
+    /// The radius of the vehicle, metres.
+    radius_m: f64,
     /// From the frame of the sphere, in which the axis of the lidar is upright, to the level one.
     tilt: UnitQuaternion<f64>,
 }
@@ -129,8 +133,9 @@ impl Sky {
     }
 
     fn measure(&mut self, width_m: f64) {
+        self.radius_m = 0.5 * width_m;
         self.room_m = reach::room_m(&self.sphere, &self.sight);
-        reach::reach_m(&self.sphere, &self.sight, 0.5 * width_m, &mut self.reach_m);
+        reach::reach_m(&self.sphere, &self.sight, self.radius_m, &mut self.reach_m);
     }
 
     /// The ways that are seen, by their first cell.
@@ -138,7 +143,7 @@ impl Sky {
         if !self.room_m.is_finite() {
             return Vec::new();
         }
-        let mut found = ways::find(&self.sphere, &self.sight, &self.reach_m, self.room_m);
+        let mut found = ways::find(&self.sphere, &self.sight, &self.reach_m, self.room_m, self.radius_m);
         found.iter_mut().for_each(|found| found.way.direction = self.leveled(found.way.direction));
         found
     }

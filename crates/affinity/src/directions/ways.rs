@@ -17,13 +17,18 @@ const LEAST_CELLS: usize = 2;
 const RADII: [f64; 5] = [1.75, 2.0, 2.25, 2.5, 2.75];
 /// Of answers whose least way stays at as many of them, the share that is right, on development seeds.
 const RIGHT_SHARE: [f64; RADII.len() + 1] = [0.4, 0.4, 0.5, 0.6, 0.85, 0.98];
-/// And as much of it where the view cuts a way.
+/// And as much of it where the view cuts a way, or something is known in a smaller share of all directions: the room may be less
+/// than is seen.
 const CUT_SHARE: f64 = 0.87;
+/// See [`CUT_SHARE`].
+const KNOWN_SHARE: f64 = 0.75;
 
 /// The mean of the unit vectors to the cells of one way, weighted by the room there, is at least as long: an arc of less than
 /// half a turn. What is wider, as in a place that is wide for its height, may be several ways: then the odds are these.
 const ONE_WAY: f64 = 0.7;
 const WIDE_ODDS: f64 = 0.3;
+/// And where the room is less than this many radii of the vehicle: what is so near is rather a part of it.
+const OWN_ROOM: f64 = 1.5;
 
 /// A way, and its cells, ascending.
 #[derive(Clone, Debug)]
@@ -34,8 +39,8 @@ pub struct Found {
     pub cells: Vec<u32>,
 }
 
-/// The ways, by their first cell, of a sight with as much room at the sensor.
-pub(super) fn find(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64) -> Vec<Found> {
+/// The ways, by their first cell, of a sight with as much room at the sensor, for a vehicle of this radius.
+pub(super) fn find(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64, radius_m: f64) -> Vec<Found> {
     let (mut sets, mut of_cell) = (DisjointSets::default(), Vec::new());
     let mut parts = components(sphere, reach_m, APART * room_m, &mut sets, &mut of_cell);
     let is_on = |cells: &Vec<u32>| cells.iter().any(|cell| reach_m[*cell as usize] >= ON * room_m);
@@ -59,8 +64,19 @@ pub(super) fn find(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64)
             *stays += usize::from(of_way.len() == 1 && taken[of_way[0]] == 1);
         }
     }
-    let known = parts.into_iter().zip(stays);
-    known.map(|(cells, stays)| Found { way: known_of(sphere, sight, reach_m, room_m, &cells, stays), cells }).collect()
+    let unknown = sight.seen.iter().filter(|seen| **seen == Seen::Unknown).count();
+    let is_narrow = (unknown as f64) > (1.0 - KNOWN_SHARE) * sphere.len() as f64;
+    let known = |(cells, stays): (Vec<u32>, usize)| {
+        let mut way = known_of(sphere, sight, reach_m, room_m, &cells, RIGHT_SHARE[stays]);
+        if way.cut_by_view || is_narrow {
+            way.p *= CUT_SHARE;
+        }
+        if room_m < OWN_ROOM * radius_m {
+            way.p = way.p.min(WIDE_ODDS);
+        }
+        Found { way, cells }
+    };
+    parts.into_iter().zip(stays).map(known).collect()
 }
 
 /// The components of the cells in which the vehicle gets as far, and of each cell its component.
@@ -92,7 +108,7 @@ fn components(
     parts
 }
 
-fn known_of(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64, cells: &[u32], stays: usize) -> Way {
+fn known_of(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64, cells: &[u32], right_share: f64) -> Way {
     let cells = || cells.iter().map(|cell| *cell as usize);
     let at_m = 0.5 * (APART + ON) * room_m;
     // Infinite where nothing is seen at all.
@@ -112,11 +128,10 @@ fn known_of(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64, cells:
     // That all around is not open in its middle.
     let farthest = cells().max_by(|a, b| reach_m[*a].total_cmp(&reach_m[*b]).then(b.cmp(a)));
     let of_farthest = farthest.map(|cell| sphere.directions[cell].into_inner());
-    let odds = if is_wide { WIDE_ODDS } else { RIGHT_SHARE[stays] };
     Way {
         direction: middle.or(of_farthest).unwrap_or_else(Vector3::x),
         clearance_m: 2.0 * largest_m,
-        p: odds * if is_cut { CUT_SHARE } else { 1.0 },
+        p: if is_wide { WIDE_ODDS } else { right_share },
         evidence: if 2 * nothing > cells().count() { Evidence::NoReturn } else { Evidence::SeenThrough },
         cut_by_view: is_cut,
     }
