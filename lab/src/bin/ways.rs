@@ -7,9 +7,8 @@
 //! ```
 //!
 //! An answer is right if it has as many ways as are true, and for each of these one within 20° whose clearance is within
-//! 30 %. Of lidars that do not look everywhere, the true ways are those whose middle is in view; places are left out at which one
-//! lies within 8° of the edge of the view. Of a way whose middle is beyond, a part may be in view: an answer within 45° of it is
-//! neither asked for nor wrong.
+//! 30 %. Of lidars that do not look everywhere, the true ways are the parts in view. Places are left out at which their number
+//! hangs on the edge of the view: it is another one 4° inside of it, or outside.
 
 use std::f64::consts::PI;
 use std::path::Path;
@@ -31,17 +30,17 @@ use rand_pcg::Pcg64;
 /// Diameter of the vehicle's ball.
 const BALL_M: f64 = 0.6;
 const VOXEL_M: f64 = 0.2;
-const EDGE_DEG: f64 = 8.0;
+/// The number of ways in view must not hang on so much of it.
+const EDGE_DEG: f64 = 4.0;
 const MOST_OFF_DEG: f64 = 20.0;
-/// An answer this near to a way whose middle is beyond the view is a part of it.
-const PART_DEG: f64 = 45.0;
 const TILT_DEG: f64 = 15.0;
 /// A shaft is steeper than that of `Way::kind`, degrees.
 const SHAFT_DEG: f64 = 50.0;
 
 struct Place {
     place_m: Point3<f64>,
-    ways: Vec<TrueWay>,
+    /// Those in the view of each lidar, if their number is clear.
+    ways: [Option<Vec<TrueWay>>; Lidar::ALL.len()],
 }
 
 /// An answer: of each way its direction, its clearance, and how sure it is.
@@ -74,18 +73,23 @@ fn places(mesh: &Mesh, count: usize, most_leave: usize, random: &mut Pcg64) -> (
         if clear_m < 0.7 * room_m || room_m < 0.6 {
             continue;
         }
-        let ways = |radii: &[f64]| {
-            let radii_m: Vec<f64> = radii.iter().map(|radii| radii * room_m).collect();
-            space.ways(&place_m, 0.5 * BALL_M, &radii_m)
+        let ways = |lidar: Lidar, reached: &[(usize, f64)], radii: &[f64]| {
+            let views_deg = lidar.views_deg(EDGE_DEG);
+            let cut = |radii: &f64| -> Vec<_> {
+                views_deg.iter().map(|view_deg| space.ways(&place_m, radii * room_m, *view_deg, reached)).collect()
+            };
+            let mut at: Vec<_> = radii.iter().flat_map(cut).collect();
+            let is_clear = at.iter().all(|ways| ways.len() == at[0].len());
+            is_clear.then(|| at.swap_remove(at.len() / 2))
         };
-        let are_clear = |at: &[Vec<TrueWay>]| at.iter().all(|ways| ways.len() == at[0].len()) && !at[0].is_empty();
         // Most places that are not clear show it nearby, where it costs least to see.
-        let mut at = ways(&RADII[..2]);
-        if are_clear(&at) {
-            at = ways(&RADII);
-        }
-        if are_clear(&at) {
-            found.push(Place { place_m, ways: at.swap_remove(RADII.len() / 2) });
+        let is_clear = |radii: &[f64]| {
+            let reached = space.reached(&place_m, 0.5 * BALL_M, 1.5 * radii[radii.len() - 1] * room_m);
+            let all = ways(Lidar::Full, &reached, radii).filter(|ways| !ways.is_empty());
+            all.map(|_| reached)
+        };
+        if let Some(reached) = is_clear(&RADII[..2]).and_then(|_| is_clear(&RADII)) {
+            found.push(Place { place_m, ways: Lidar::ALL.map(|lidar| ways(lidar, &reached, &RADII)) });
         } else {
             unclear += 1;
         }
@@ -149,22 +153,6 @@ fn is_right(truth: &[&TrueWay], answer: &Answer) -> [bool; 2] {
     [count, count && each]
 }
 
-/// Leaves out the answers that are parts of these ways, whose middles are beyond the view: of each, the nearest that is no
-/// nearer to one in view.
-fn without_parts(beyond: &[&TrueWay], truth: &[&TrueWay], answer: &mut Answer) {
-    for way in beyond {
-        let near = |(direction, ..): &(Vector3<f64>, f64, f64)| direction.dot(&way.direction);
-        let is_part = |found: &(Vector3<f64>, f64, f64)| {
-            near(found) > PART_DEG.to_radians().cos()
-                && truth.iter().all(|other| other.direction.dot(&found.0) < near(found))
-        };
-        let parts = (0..answer.len()).filter(|at| is_part(&answer[*at]));
-        if let Some(part) = parts.max_by(|a, b| near(&answer[*a]).total_cmp(&near(&answer[*b]))) {
-            answer.remove(part);
-        }
-    }
-}
-
 #[derive(Default)]
 struct Figures {
     places: usize,
@@ -203,22 +191,15 @@ fn measure(
     seed: u64,
 ) -> anyhow::Result<Figures> {
     let (mut figures, mut sky, mut random) = (Figures::default(), Sky::default(), Pcg64::seed_from_u64(seed));
-    let [low_deg, high_deg] = lidar.view_deg();
     for (mesh, places) in all {
         for Place { place_m, ways } in places {
+            let Some(ways) = &ways[lidar as usize] else { continue };
             let bearing_rad = random.random_range(-PI..PI);
             let axis = nalgebra::Unit::new_unchecked(Vector3::new(bearing_rad.cos(), bearing_rad.sin(), 0.0));
             let turned = Rotation3::from_axis_angle(&axis, tilt_deg.to_radians());
             let seen: Vec<TrueWay> =
                 ways.iter().map(|way| TrueWay { direction: turned.inverse() * way.direction, ..*way }).collect();
-            let elevation_deg = |way: &TrueWay| way.direction.z.asin().to_degrees();
-            let at_edge =
-                |way: &TrueWay| [low_deg, high_deg].iter().any(|edge| (elevation_deg(way) - edge).abs() < EDGE_DEG);
-            if lidar != Lidar::Full && seen.iter().any(at_edge) {
-                continue;
-            }
-            let (truth, beyond): (Vec<&TrueWay>, Vec<&TrueWay>) =
-                seen.iter().partition(|way| (low_deg..=high_deg).contains(&elevation_deg(way)));
+            let truth: Vec<&TrueWay> = seen.iter().collect();
             let cloud_m = lidar.cloud_m(mesh, place_m, &turned, &mut random);
             let started = Instant::now();
             sky.look(&cloud_m, &UnitQuaternion::default(), BALL_M);
@@ -235,8 +216,7 @@ fn measure(
                 openings.map(|o| (Vector3::new(o.bearing_rad.cos(), o.bearing_rad.sin(), 0.0), o.width_m, 0.0));
             // As the confidence of the results: without a way, 0.5.
             let least = found.iter().map(|(.., p)| *p).reduce(f64::min).unwrap_or(0.5);
-            let mut answers = [sliced.collect(), at_one_radius(&cloud_m), found];
-            answers.iter_mut().for_each(|answer| without_parts(&beyond, &truth, answer));
+            let answers = [sliced.collect(), at_one_radius(&cloud_m), found];
             figures.places += 1;
             for (at, answer) in answers.iter().enumerate() {
                 let [count, right] = is_right(&truth, answer);
@@ -249,14 +229,10 @@ fn measure(
             if least >= 0.9 {
                 figures.sure = [figures.sure[0] + usize::from(count), figures.sure[1] + 1];
             }
-            for (way, of_mesh) in
-                seen.iter().zip(ways).filter(|(way, _)| (low_deg..=high_deg).contains(&elevation_deg(way)))
-            {
-                if elevation_deg(of_mesh).abs() > SHAFT_DEG {
-                    let is_found =
-                        answers[2].iter().any(|(d, ..)| d.dot(&way.direction) > MOST_OFF_DEG.to_radians().cos());
-                    figures.shafts = [figures.shafts[0] + usize::from(is_found), figures.shafts[1] + 1];
-                }
+            let is_shaft = |of_mesh: &TrueWay| of_mesh.direction.z.abs() > SHAFT_DEG.to_radians().sin();
+            for (way, _) in seen.iter().zip(ways).filter(|(_, of_mesh)| is_shaft(of_mesh)) {
+                let is_found = answers[2].iter().any(|(d, ..)| d.dot(&way.direction) > MOST_OFF_DEG.to_radians().cos());
+                figures.shafts = [figures.shafts[0] + usize::from(is_found), figures.shafts[1] + 1];
             }
         }
     }
@@ -285,7 +261,8 @@ fn main() -> anyhow::Result<()> {
     }
     let found: usize = all.iter().map(|(_, places)| places.len()).sum();
     let mut by_ways = [0; 6];
-    all.iter().flat_map(|(_, places)| places).for_each(|place| by_ways[place.ways.len().min(5)] += 1);
+    let ways = all.iter().flat_map(|(_, places)| places).filter_map(|place| place.ways[Lidar::Full as usize].as_ref());
+    ways.for_each(|ways| by_ways[ways.len().min(5)] += 1);
     println!("{found} clear places, {unclear} left out; with 1, 2, 3, 4, more ways: {:?}\n", &by_ways[1..]);
     println!(
         "| lidar | places | level slice | one radius | directions | also direction, width | sure, right | shafts | ms |"

@@ -44,6 +44,13 @@ impl Lidar {
         }
     }
 
+    /// Its view, and before and after it that less and more by so much at both edges, where it has edges.
+    pub fn views_deg(self, edge_deg: f64) -> Vec<[f64; 2]> {
+        let [low, high] = self.view_deg();
+        let less: &[f64] = if self == Self::Full { &[0.0] } else { &[edge_deg, 0.0, -edge_deg] };
+        less.iter().map(|less| [low + less, high - less]).collect()
+    }
+
     /// Unit vectors of its beams.
     fn beams(self) -> Vec<Vector3<f64>> {
         let [low, high] = self.view_deg().map(f64::to_radians);

@@ -4,6 +4,7 @@
 //! triangle. Of the voxels that it reaches from a place on a way of 1.5 ρ or less, those that the sphere of radius ρ about
 //! the place cuts fall into components: the ways on at ρ. A place is clear if their number is the same for ρ from 2 to 3
 //! local radii, the local radius being that of the largest ball whose centre lies in the largest one about the place.
+//! Of a lidar that does not look everywhere, the ways are the components of what is cut in its view.
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashSet};
@@ -159,9 +160,8 @@ impl Space {
         })
     }
 
-    /// The ways on at each of these radii, metres, of a ball of `radius_m`.
-    pub fn ways(&self, place_m: &Point3<f64>, radius_m: f64, radii_m: &[f64]) -> Vec<Vec<TrueWay>> {
-        let most_m = radii_m.iter().copied().fold(0.0, f64::max);
+    /// The voxels that a ball of `radius_m` reaches from a place on a way of this many metres, and the way to each.
+    pub fn reached(&self, place_m: &Point3<f64>, radius_m: f64, most_m: f64) -> Vec<(usize, f64)> {
         let fits = |voxel: usize| self.clear_of(voxel) > radius_m;
         // Of each voxel one more than the way to it, metres, and 0 where none leads; and the voxels that are reached.
         let (mut reached_m, mut reached) = (vec![0.0; self.count()], Vec::new());
@@ -180,7 +180,7 @@ impl Space {
             for (next, steps) in self.beside(at).filter(|(next, _)| fits(*next)) {
                 let next_m = way_m + steps * self.voxel_m;
                 let known_m = reached_m[next];
-                if next_m <= 1.5 * most_m && (known_m == 0.0 || next_m + 1.0 < known_m) {
+                if next_m <= most_m && (known_m == 0.0 || next_m + 1.0 < known_m) {
                     if known_m == 0.0 {
                         reached.push(next);
                     }
@@ -190,17 +190,29 @@ impl Space {
             }
         }
         reached.sort_unstable();
-        let ways_m: Vec<(usize, f64)> = reached.into_iter().map(|voxel| (voxel, reached_m[voxel] - 1.0)).collect();
-        radii_m.iter().map(|rho_m| self.cut(place_m, *rho_m, &ways_m)).collect()
+        reached.into_iter().map(|voxel| (voxel, reached_m[voxel] - 1.0)).collect()
     }
 
-    fn cut(&self, place_m: &Point3<f64>, rho_m: f64, ways_m: &[(usize, f64)]) -> Vec<TrueWay> {
+    /// The ways on at a radius, of what is reached: their parts at elevations in `view_deg`, which may be several of a way.
+    pub fn ways(
+        &self,
+        place_m: &Point3<f64>,
+        rho_m: f64,
+        view_deg: [f64; 2],
+        reached: &[(usize, f64)],
+    ) -> Vec<TrueWay> {
+        let view = view_deg.map(|deg| deg.to_radians().sin());
+        let is_seen = |voxel: usize| {
+            let off_m = self.middle_m(voxel) - place_m;
+            (view[0]..=view[1]).contains(&(off_m.z / off_m.norm()))
+        };
         let off_m = |voxel: usize| (self.middle_m(voxel) - place_m).norm();
         let thick_m = 1.75 * self.voxel_m;
-        let shell: Vec<usize> = ways_m
+        let shell: Vec<usize> = reached
             .iter()
             .filter(|(voxel, way_m)| *way_m <= 1.5 * rho_m && (rho_m..rho_m + thick_m).contains(&off_m(*voxel)))
             .map(|(voxel, _)| *voxel)
+            .filter(|voxel| is_seen(*voxel))
             .collect();
         let mut left: HashSet<usize> = shell.iter().copied().collect();
         let mut found = Vec::new();
@@ -240,7 +252,9 @@ mod tests {
             let place_m = Point3::new(0.05, 0.05, 0.05);
             let room_m = space.room_m(&place_m);
             assert!((room_m - 2.0).abs() < 0.3, "{room_m}");
-            for ways in space.ways(&place_m, 0.3, &RADII.map(|radii| radii * room_m)) {
+            let reached = space.reached(&place_m, 0.3, 1.5 * 3.0 * room_m);
+            for radii in RADII {
+                let ways = space.ways(&place_m, radii * room_m, [-90.0, 90.0], &reached);
                 assert_eq!(ways.len(), wanted);
                 assert!(ways.iter().all(|way| way.direction.x.abs() > 0.99 && (way.clearance_m - 4.0).abs() < 0.5));
             }
