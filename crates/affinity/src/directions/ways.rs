@@ -18,8 +18,8 @@ const RADII: [f64; 5] = [1.75, 2.0, 2.25, 2.5, 2.75];
 /// Of answers whose least way stays at as many of them, the share that is right, on development seeds.
 const RIGHT_SHARE: [f64; RADII.len() + 1] = [0.4, 0.4, 0.5, 0.6, 0.85, 0.98];
 /// And as much of it where the view cuts a way, or something is known in a smaller share of all directions: the room may be less
-/// than is seen.
-const CUT_SHARE: f64 = 0.87;
+/// than is seen. If nothing is seen in the way either, as much as the second number.
+const CUT_SHARE: [f64; 2] = [0.95, 0.87];
 /// See [`CUT_SHARE`].
 const KNOWN_SHARE: f64 = 0.75;
 
@@ -69,7 +69,7 @@ pub(super) fn find(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64,
     let known = |(cells, stays): (Vec<u32>, usize)| {
         let mut way = known_of(sphere, sight, reach_m, room_m, &cells, RIGHT_SHARE[stays]);
         if way.cut_by_view || is_narrow {
-            way.p *= CUT_SHARE;
+            way.p *= CUT_SHARE[usize::from(way.evidence == Evidence::NoReturn)];
         }
         if room_m < OWN_ROOM * radius_m {
             way.p = way.p.min(WIDE_ODDS);
