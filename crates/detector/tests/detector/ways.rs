@@ -4,25 +4,32 @@ use crosscut_detector::{Detector, Preset, Settings};
 use crosscut_messages::Cloud;
 use crosscut_simulator::{Split, suites};
 use crosscut_stage::{Junction, WayKind};
+use nalgebra::{UnitQuaternion, Vector3};
 
 fn detector(preset: Preset) -> Detector {
     Settings::new(preset).build().expect("the preset")
 }
 
 /// A level gallery, 4 m wide and 3.2 m high, with a raise of 2.4 m by 2.4 m above the sensor, as 128 x 512 beams see it that
-/// look from one elevation to another.
+/// look from one elevation to another, about an axis that is tilted so.
 fn under_a_raise(view_deg: [f64; 2]) -> Cloud {
+    seen_tilted(view_deg, &UnitQuaternion::default())
+}
+
+/// See [`under_a_raise`].
+fn seen_tilted(view_deg: [f64; 2], tilt: &UnitQuaternion<f64>) -> Cloud {
     let [low, high] = view_deg.map(f64::to_radians);
     let point = |at: usize| {
         let (ring, column) = ((at / 512) as f64, (at % 512) as f64);
         let (up, out) = (low + (high - low) * (ring + 0.5) / 128.0).sin_cos();
         let (sin, cos) = (column / 512.0 * std::f64::consts::TAU).sin_cos();
-        let towards = [out * cos, out * sin, up];
+        let towards: [f64; 3] = (tilt * Vector3::new(out * cos, out * sin, up)).into();
         // From where on a beam is beyond two planes at this distance on both sides.
         let leaves = |axis: usize, half_m: f64| half_m / towards[axis].abs().max(1e-9);
         let in_gallery_m = leaves(1, 2.0).min(leaves(2, 1.6));
         let in_raise_m = leaves(0, 1.2).min(leaves(1, 1.2));
-        let range_m = if up > 0.0 && in_raise_m > leaves(2, 1.6) { in_raise_m.max(in_gallery_m) } else { in_gallery_m };
+        let range_m =
+            if towards[2] > 0.0 && in_raise_m > leaves(2, 1.6) { in_raise_m.max(in_gallery_m) } else { in_gallery_m };
         if range_m < 40.0 { towards.map(|part| part * range_m) } else { [f64::NAN; 3] }
     };
     Cloud { points_m: (0..128 * 512).map(point).collect(), ..Cloud::default() }
@@ -69,6 +76,49 @@ fn a_sensor_that_cannot_see_up_says_how_far_it_sees() {
     assert_eq!(kinds(&frame.junction), [WayKind::Level; 2]);
     let [low_rad, high_rad] = frame.affinity.dual.as_ref().expect("directions").view_rad;
     assert!((-0.36..=-0.2).contains(&low_rad) && (0.2..=0.36).contains(&high_rad), "{low_rad} to {high_rad}");
+}
+
+#[test]
+fn a_tilted_band_of_elevations_leaves_nothing_open_beside_it() {
+    let tilt = UnitQuaternion::from_euler_angles(0.25, 0.1, 0.0);
+    let cloud = seen_tilted([-15.0, 15.0], &tilt);
+    let mut detector = detector(Preset::ThreeD);
+    let write = |sensor: &crosscut_sensor::Sensor, frame: &mut crosscut_stage::Frame| {
+        sensor.cloud(&cloud, &mut frame.revolution, &mut frame.notes);
+        frame.revolution.cloud_tilt = tilt;
+    };
+    let frame = detector.detect_with(write).expect("a cloud");
+    assert_eq!(kinds(&frame.junction), [WayKind::Level; 2], "{:#?}", frame.junction.ways);
+    let [low_rad, high_rad] = frame.affinity.dual.as_ref().expect("directions").view_rad;
+    assert!(low_rad < -0.4 && high_rad > 0.4, "{low_rad} to {high_rad}");
+}
+
+#[test]
+fn dust_at_the_edge_of_a_narrow_view_is_no_wall_beside_the_sensor() {
+    let mut cloud = under_a_raise([-22.0, 22.0]);
+    // One ring in the next row of cells, of which every eighth beam meets dust.
+    let edge = under_a_raise([22.6, 22.7]).points_m.into_iter().take(512).enumerate();
+    cloud
+        .points_m
+        .extend(edge.map(|(at, point_m)| if at % 8 == 0 { point_m.map(|part| 0.12 * part) } else { point_m }));
+    let found = answer(Preset::ThreeD, &cloud);
+    assert_eq!(kinds(&found), [WayKind::Level; 2], "{:#?}", found.ways);
+}
+
+#[test]
+fn the_vehicle_around_the_sensor_is_no_place_with_a_sure_way() {
+    // A shell 0.32 m off, open ahead.
+    let mut cloud = under_a_raise([-90.0, 90.0]);
+    for point_m in cloud.points_m.iter_mut().filter(|[x, ..]| x.is_finite()) {
+        let range_m = Vector3::from(*point_m).norm();
+        if point_m[0] < 0.6 * range_m {
+            *point_m = point_m.map(|part| part * 0.32 / range_m);
+        }
+    }
+    let found = answer(Preset::ThreeD, &cloud);
+    assert!(
+        found.ways.expect("ways").iter().all(|way| way.p <= 0.3) && found.confidence.is_none_or(|sure| sure <= 0.5)
+    );
 }
 
 #[test]
