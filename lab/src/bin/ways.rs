@@ -172,10 +172,11 @@ impl Figures {
         let of_places = |of: usize| share(of, self.places);
         let [level, radius, dual] = self.count.map(of_places);
         format!(
-            "| {name} | {} | {level} | {radius} | {dual} | {} | {} | {} of {} | {:.1} |",
+            "| {name} | {} | {level} | {radius} | {dual} | {} | {} of {} | {} of {} | {:.1} |",
             self.places,
             of_places(self.right[2]),
             share(self.sure[0], self.sure[1]),
+            self.sure[1],
             self.shafts[0],
             self.shafts[1],
             self.ms / self.places.max(1) as f64,
