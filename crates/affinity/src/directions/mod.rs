@@ -17,7 +17,7 @@
 //!    2.25 R tells them apart, and a recess that is not as deep is none.
 //! 5. **What stays.** p of a way is the share of right answers, on development seeds, whose least way stays by itself at as
 //!    many of five distances from 1.75 to 2.75 R; less where the view cuts it or is narrow, where it takes up half a turn, as in a
-//!    place that is wide for its height, and where R is hardly more than r: then it is rather the vehicle that is seen.
+//!    place that is wide for its height, and where something is seen hardly farther than r: it is rather the vehicle.
 //!
 //! The direction of a way is the mean of its cells, by the square of the room around the point 2.36 R away on each, or that in
 //! which the vehicle gets farthest, if the way is not open at its mean; its clearance is twice the largest of these rooms. Of a scan without a cloud, the cells are those of the horizon, 1° wide.

@@ -27,8 +27,8 @@ const KNOWN_SHARE: f64 = 0.75;
 /// half a turn. What is wider, as in a place that is wide for its height, may be several ways: then the odds are these.
 const ONE_WAY: f64 = 0.7;
 const WIDE_ODDS: f64 = 0.3;
-/// And where the room is less than this many radii of the vehicle: what is so near is rather a part of it.
-const OWN_ROOM: f64 = 1.5;
+/// And where something is seen nearer than this many radii of the vehicle: it is rather a part of the vehicle, and the room is its own.
+const OWN_RADII: f64 = 1.25;
 
 /// A way, and its cells, ascending.
 #[derive(Clone, Debug)]
@@ -66,12 +66,13 @@ pub(super) fn find(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64,
     }
     let unknown = sight.seen.iter().filter(|seen| **seen == Seen::Unknown).count();
     let is_narrow = (unknown as f64) > (1.0 - KNOWN_SHARE) * sphere.len() as f64;
+    let is_own = clear_m(sight, &Vector3::zeros()) < OWN_RADII * radius_m;
     let known = |(cells, stays): (Vec<u32>, usize)| {
         let mut way = known_of(sphere, sight, reach_m, room_m, &cells, RIGHT_SHARE[stays]);
         if way.cut_by_view || is_narrow {
             way.p *= CUT_SHARE[usize::from(way.evidence == Evidence::NoReturn)];
         }
-        if room_m < OWN_ROOM * radius_m {
+        if is_own {
             way.p = way.p.min(WIDE_ODDS);
         }
         Found { way, cells }
