@@ -27,7 +27,8 @@
 //! | below `range_min`, below `min_range_m` of the configuration, in a masked sector | unknown | yes |
 //! | anything else | a return | if most are farther than 500 m, as in millimetres (`range_scale`) |
 //!
-//! Points of a cloud that are not finite, or stand at the sensor itself (noted), are no returns. Of the others, the
+//! A cloud is turned level with the heading of the vehicle, by its mount and by roll and pitch of odometry, with notes. Points of
+//! it that are not finite, or stand at the sensor itself (noted), are no returns. Of the others, the
 //! revolution has what a level vehicle sees ([`LevelView`](crosscut_scan::LevelView)): the nearest returns at its height, in
 //! up to 720 beams. The cloud's other points at this height are entries of the return of their beam, and those above
 //! or below it of no wall. An affinity that takes whole clouds has all points beside ([`Sensor::keeping_cloud`]). A sweep of more than 4096 beams is levelled as well.
