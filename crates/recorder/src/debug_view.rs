@@ -110,7 +110,7 @@ impl DebugView {
 
     fn lay_out(&mut self, now: &Recorder) -> Result<(), RecorderError> {
         let extents = [self.held.as_ref().map(Recorder::extent), Some(now.extent())];
-        let asks = extents.map(|extent| extent.map(|Extent { by_gaps, places, .. }| (by_gaps, places)));
+        let asks = extents.map(|extent| extent.map(Extent::asks));
         if self.laid_out.replace(asks) == Some(asks) {
             return Ok(());
         }

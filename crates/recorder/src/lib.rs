@@ -77,6 +77,7 @@ mod tracks;
 mod truth;
 mod viewer;
 mod walls;
+mod ways;
 mod whole;
 mod why;
 mod words;

@@ -19,6 +19,7 @@ pub(crate) fn log(rec: &RecordingStream, options: &RecorderOptions, mine: Option
     log_config(rec, &options.config_toml)?;
     rec.log_static(ABOUT.path, &TextDocument::from_markdown(about()))?;
     scan::log_static(rec)?;
+    ways::log_static(rec)?;
     if options.scope.detail != Detail::Light {
         matrices::log_static(rec)?;
         eigenvectors::log_static(rec)?;

@@ -27,6 +27,7 @@ pub struct Revolutions<'a> {
     sweep: Latest<'a>,
     points: Latest<'a>,
     entries: Latest<'a>,
+    cloud: Latest<'a>,
     odometry: Latest<'a>,
     notes: Latest<'a>,
     truth: Latest<'a>,
@@ -50,6 +51,7 @@ impl Recording {
             sweep: latest(schema::SCAN_SWEEP),
             points: latest(schema::SCAN_POINTS),
             entries: latest(schema::SCAN_ENTRIES),
+            cloud: latest(schema::SCAN_CLOUD),
             odometry: latest(schema::SCAN_ODOMETRY),
             notes: latest(schema::SCAN_NOTES),
             truth: latest(schema::TRUTH_JSON),
@@ -83,6 +85,7 @@ impl Revolutions<'_> {
         };
         let entries = self.entries.only_at(at)?.map(Value::to_f64).unwrap_or_default();
         revolution.entries = entries.into_iter().map(|entry| entry as i32).collect();
+        revolution.cloud_m = self.cloud.only_at(at)?.map(|cloud| points(&cloud.to_f64())).unwrap_or_default();
         revolution.odometry = match self.odometry.only_at(at)?.map(Value::to_f64).as_deref() {
             Some(&[x_m, y_m, cos, sin]) => {
                 let rotation = UnitComplex::new_unchecked(Complex::new(cos, sin));
