@@ -27,7 +27,8 @@ impl Explanation {
             let least = least.map(|way| format!("The least sure is {}, p = {:.2}.", way.words(), way.p));
             let nearest = frame.affinity.dual.as_ref().and_then(|dual| ways::nearest(ways, dual, color_of));
             let reason = least.into_iter().chain(nearest).collect::<Vec<_>>().join(" ");
-            return [format!("{} on, {title}", counted(ways.len() as u64, "way")), reason];
+            let walls = if frame.revolution.is_empty() { "no wall in the level view." } else { &title };
+            return [format!("{} on, {walls}", counted(ways.len() as u64, "way")), reason];
         }
         let named = |id: u32| wall(id, color_of(id));
         let near = self.nearest.as_ref().map(|Nearest { count, walls: of, gap_m, .. }| {

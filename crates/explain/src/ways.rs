@@ -39,7 +39,9 @@ fn parted(between: &Between, ways: &[Way], dual: &Dual, color_of: &dyn Fn(u32) -
     let numbers = dual.numbers_in(ways);
     let [a, b] = between.ways.map(|of| numbers[of as usize].map_or("another one".to_owned(), |at| name(at, color_of)));
     let (at, reach_m, cut_m) = (direction_words(&between.direction), between.reach_m, dual.cut_m);
-    format!("{a} and {b} are two: between them, at {at}, the vehicle gets {reach_m:.1} m far; with {cut_m:.1} m they were one.")
+    format!(
+        "{a} and {b} are two: between them, at {at}, the vehicle gets {reach_m:.1} m far; with {cut_m:.1} m they were one."
+    )
 }
 
 fn name(number: u32, color_of: &dyn Fn(u32) -> &'static str) -> String {

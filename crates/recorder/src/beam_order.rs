@@ -72,7 +72,8 @@ mod tests {
 
     #[test]
     fn returns_are_placed_at_their_beams() {
-        let order = BeamOrder::of_returns(&revolution(vec![Beam::NoReturn, Beam::Return(0), Beam::Unknown, Beam::Return(1)]));
+        let order =
+            BeamOrder::of_returns(&revolution(vec![Beam::NoReturn, Beam::Return(0), Beam::Unknown, Beam::Return(1)]));
         assert_eq!((order.side, order.used, order.places), (64, 4, vec![1, 3]));
     }
 

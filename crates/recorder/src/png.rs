@@ -136,7 +136,8 @@ mod tests {
             for level in [noise, |_, _| 0, |i, j| u8::from(i == j)] {
                 let mut picture = Picture::default();
                 picture.clear(width, height);
-                (0..width * height).for_each(|at| picture.set(at / width, at % width, 1, level(at / width, at % width)));
+                (0..width * height)
+                    .for_each(|at| picture.set(at / width, at % width, 1, level(at / width, at % width)));
                 let png = encoder.encode(&picture);
                 let read = rerun::external::image::load_from_memory(&png).expect("a PNG").to_luma8();
                 assert_eq!(read.dimensions(), (width as u32, height as u32));

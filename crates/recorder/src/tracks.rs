@@ -218,7 +218,8 @@ fn place_of(towards: &Vector3<f64>) -> usize {
 /// The class that most rows of each cluster have, of those that have one; none if most have none.
 fn most_of_clusters(rows: impl Iterator<Item = (Option<u32>, Option<u16>)>, frame: &Frame) -> Vec<u16> {
     let mut most = vec![(0, NO_WALL); frame.partition.clusters];
-    for ((cluster, class), count) in counts(rows.filter_map(|(label, class)| Some((label?, class.unwrap_or(NO_WALL))))) {
+    for ((cluster, class), count) in counts(rows.filter_map(|(label, class)| Some((label?, class.unwrap_or(NO_WALL)))))
+    {
         // Of two classes with equally many rows, the first counts.
         if let Some(most) = most.get_mut(cluster as usize).filter(|(least, _)| count > *least) {
             *most = (count, class);

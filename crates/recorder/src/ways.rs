@@ -76,6 +76,7 @@ impl Unrolled {
             self.log_sphere(rows, frame, dual, ways, classes);
         }
     }
+
     /// The sphere as a picture, bearing by elevation: the brighter the farther what is seen there, and stripes where the sensor does
     /// not look. Over it the cells of ways in their colours, their names, and what parts two ways.
     fn log_sphere(&mut self, rows: &mut Rows, frame: &Frame, dual: &Dual, ways: &[Way], classes: &Classes) {
@@ -84,7 +85,8 @@ impl Unrolled {
         self.picture.clear(width, height);
         for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
             let rad = [PI - (x as f64 + 0.5).to_radians(), FRAC_PI_2 - (y as f64 + 0.5).to_radians()];
-            let level = match sphere.cell(rad).map(|cell| cell.range_m).filter(|range_m| is_known && !range_m.is_nan()) {
+            let level = match sphere.cell(rad).map(|cell| cell.range_m).filter(|range_m| is_known && !range_m.is_nan())
+            {
                 Some(range_m) if range_m.is_infinite() => WHITE,
                 Some(range_m) => DARKEST + (GREYS * (range_m / (BRIGHTEST * dual.cut_m)).min(1.0).sqrt()) as u8,
                 None => STRIPES[(x + y) / STRIPE % 2],
@@ -123,9 +125,11 @@ fn log_ways(rows: &mut Rows, dual: &Dual, ways: &[Way], classes: &Classes) {
     let tips = ways.iter().map(|way| xyz(&(way.direction * (ARROW * dual.cut_m)).into()));
     let of_ways = || (0..ways.len() as u32).map(|way| classes.of_way(Some(way)));
     let arrows = Arrows3D::from_vectors(tips.clone()).with_class_ids(of_ways());
-    let names = Points3D::new(tips).with_class_ids(of_ways()).with_labels((0..).zip(ways).map(|(number, way)| label(number, way)));
+    let names = Points3D::new(tips)
+        .with_class_ids(of_ways())
+        .with_labels((0..).zip(ways).map(|(number, way)| label(number, way)));
     let exact = ways.iter().flat_map(|way| {
-        let ([x, y, z], cut) = (way.direction.into(), f64::from(u8::from(way.cut_by_view)));
+        let ([x, y, z], cut): ([f64; 3], _) = (way.direction.into(), f64::from(u8::from(way.cut_by_view)));
         [x, y, z, way.clearance_m, way.p, cut]
     });
     let table = f64_matrix(exact.collect(), [ways.len(), 6], SCAN_WAYS.dims);

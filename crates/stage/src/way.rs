@@ -31,7 +31,8 @@ pub struct Dual {
 impl Dual {
     /// The directions that are rows of W, way after way, each with the way that it is of, an index of `ways`.
     pub fn rows(&self) -> impl Iterator<Item = (Vector3<f64>, u32)> {
-        let of_way = |way| self.cells.iter().filter(move |cell| cell.way == Some(way)).map(move |cell| (cell.direction, way));
+        let of_way =
+            |way| self.cells.iter().filter(move |cell| cell.way == Some(way)).map(move |cell| (cell.direction, way));
         (0..self.ways.len() as u32).flat_map(of_way)
     }
 
@@ -132,8 +133,8 @@ impl Way {
 /// "+51°, 78° up": bearing and elevation of a unit vector.
 pub fn direction_words(direction: &Vector3<f64>) -> String {
     // The sum with 0 leaves no -0.
-    let [bearing_deg, elevation_deg] = [direction.y.atan2(direction.x), direction.z.clamp(-1.0, 1.0).asin()]
-        .map(|rad| rad.to_degrees().round() + 0.0);
+    let [bearing_deg, elevation_deg] =
+        [direction.y.atan2(direction.x), direction.z.clamp(-1.0, 1.0).asin()].map(|rad| rad.to_degrees().round() + 0.0);
     let side = if elevation_deg < 0.0 { "down" } else { "up" };
     format!("{bearing_deg:+.0}°, {:.0}° {side}", elevation_deg.abs())
 }

@@ -51,7 +51,9 @@ impl Recorded {
         let holds = |entity: Entity| recording.entities().contains_key(entity.path);
         if config.takes_cloud() && holds(SCAN_ENTRIES) && !holds(SCAN_CLOUD) {
             let path = path.display();
-            let text = format!("{path} holds of its clouds what a level vehicle sees; their ways on need the file that was flown");
+            let text = format!(
+                "{path} holds of its clouds what a level vehicle sees; their ways on need the file that was flown"
+            );
             return Err(UsageError(text).into());
         }
         let losses = recording.damages().iter().map(ToString::to_string).collect();

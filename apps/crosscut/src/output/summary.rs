@@ -69,7 +69,8 @@ pub(crate) fn counts(summary: &Summary) -> Table {
 /// The ways on of the last revolution, where these are counted and there are any.
 pub(crate) fn ways(summary: &Summary) -> Option<Table> {
     let row = |(number, way): (usize, &Way)| {
-        let [bearing, elevation] = [way.bearing_rad(), way.elevation_rad()].map(|rad| format!("{:+.0}°", rad.to_degrees()));
+        let [bearing, elevation] =
+            [way.bearing_rad(), way.elevation_rad()].map(|rad| format!("{:+.0}°", rad.to_degrees()));
         let (kind, cut) = (way.kind().to_string().replace('_', " "), if way.cut_by_view { "yes" } else { "no" });
         let (clearance, p) = (format!("{:.1} m", way.clearance_m), format!("{:.2}", way.p));
         vec![number.to_string(), kind, bearing, elevation, clearance, p, cut.to_owned()]

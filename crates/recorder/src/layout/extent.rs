@@ -46,7 +46,12 @@ impl Extent {
             places: if places > 0 { places } else { default.places },
             by_gaps: !frame.affinity.verdicts.is_empty(),
             has_truth: default.has_truth,
-            ways_m: frame.affinity.dual.as_ref().filter(|_| !revolution.cloud_m.is_empty()).map_or(0.0, |dual| dual.cut_m),
+            ways_m: frame
+                .affinity
+                .dual
+                .as_ref()
+                .filter(|_| !revolution.cloud_m.is_empty())
+                .map_or(0.0, |dual| dual.cut_m),
         }
     }
 

@@ -58,7 +58,10 @@ pub(super) fn steps(views: &mut Views) -> [ContainerLike; 7] {
         views.document("About", ABOUT),
     ]);
     let [returns, labels] = match views.has_ways() {
-        true => [views.cloud(&format!("1 {CLOUD}")), views.sphere("6 Sphere unrolled: bright is far, striped is not in view")],
+        true => [
+            views.cloud(&format!("1 {CLOUD}")),
+            views.sphere("6 Sphere unrolled: bright is far, striped is not in view"),
+        ],
         false => [views.returns("1 Returns"), views.labels("6 Walls and ranges by beam")],
     };
     [

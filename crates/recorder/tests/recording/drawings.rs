@@ -42,9 +42,9 @@ pub(crate) fn comparison(entity: &str, component: &str) -> Option<fn(&Value, &Fr
             |value, frame| points(value) == frame.revolution.cloud_m.iter().map(drawn).collect::<Vec<_>>()
         }
         // A point of the cloud lies in the direction of a return, whose wall is a way.
-        ("/scan/cloud", "Points3D:class_ids") => {
-            |value, frame| wholes(value).into_iter().eq(frame.junction.wall_of_return.iter().flatten().map(|way| i64::from(*way)))
-        }
+        ("/scan/cloud", "Points3D:class_ids") => |value, frame| {
+            wholes(value).into_iter().eq(frame.junction.wall_of_return.iter().flatten().map(|way| i64::from(*way)))
+        },
         ("/scan/ways", "Arrows3D:vectors" | "Points3D:positions") => |value, frame| {
             let tips = frame.junction.ways.iter().flatten().map(|way| (1.5 * dual(frame).cut_m * way.direction).into());
             points(value) == tips.map(|tip: Point| drawn(&tip)).collect::<Vec<_>>()
@@ -52,11 +52,12 @@ pub(crate) fn comparison(entity: &str, component: &str) -> Option<fn(&Value, &Fr
         ("/scan/ways", "Arrows3D:class_ids" | "Points3D:class_ids") => {
             |value, frame| wholes(value).into_iter().eq(0..frame.junction.ways.as_ref().map_or(0, Vec::len) as i64)
         }
-        ("/scan/ways", "Points3D:labels") => {
-            |value, frame| texts(value).iter().zip(frame.junction.ways.iter().flatten()).all(|(label, way)| {
-                label.ends_with(&format!(": shaft up, {:.1} m", way.clearance_m))
-            })
-        }
+        ("/scan/ways", "Points3D:labels") => |value, frame| {
+            texts(value)
+                .iter()
+                .zip(frame.junction.ways.iter().flatten())
+                .all(|(label, way)| label.ends_with(&format!(": shaft up, {:.1} m", way.clearance_m)))
+        },
         ("/scan/sphere", "EncodedDepthImage:blob") => {
             |value, _| matches!(value, Value::Numbers(array) if array.shape == [180, 360])
         }

@@ -150,7 +150,7 @@ fn number_comparison(entity: &str, component: &str) -> Option<fn(&Value, &Frame)
         },
         ("/scan/ways", "Tensor:data") => |value, frame| {
             let row = |way: &Way| {
-                let ([x, y, z], cut) = (way.direction.into(), f64::from(u8::from(way.cut_by_view)));
+                let ([x, y, z], cut): ([f64; 3], _) = (way.direction.into(), f64::from(u8::from(way.cut_by_view)));
                 [x, y, z, way.clearance_m, way.p, cut]
             };
             let ways = frame.junction.ways.iter().flatten();
@@ -158,7 +158,7 @@ fn number_comparison(entity: &str, component: &str) -> Option<fn(&Value, &Frame)
         },
         ("/scan/sphere", "Tensor:data") => |value, frame| {
             let row = |cell: &Cell| {
-                let ([x, y, z], way) = (cell.direction.into(), cell.way.map_or(-1.0, f64::from));
+                let ([x, y, z], way): ([f64; 3], _) = (cell.direction.into(), cell.way.map_or(-1.0, f64::from));
                 [x, y, z, cell.range_m, cell.reach_m, way].map(|value| value as f32)
             };
             let cells = &dual(frame).cells;
