@@ -44,7 +44,7 @@ pub struct DebugView {
 }
 
 /// The layout changes with this: whether there are two sides, and of each whether gaps decide and the number of beams.
-type LaidOut = [Option<(bool, usize)>; 2];
+type LaidOut = [Option<(usize, [bool; 2])>; 2];
 
 impl DebugView {
     /// Connects to the native viewer; starts one unless one is open. Ctrl-C does not reach it.

@@ -9,7 +9,7 @@ use crate::schema::{ABOUT, COLORS, CONFIG};
 use crate::scope::Detail;
 use crate::{
     eigenvectors, flight_map, gaps, matrices, numbers, partition, profile, report, scan, schema, spectrum, timing,
-    truth, why,
+    truth, ways, why,
 };
 
 /// Logs what holds for the whole recording: colours, look, configuration, the text of `/about`, and the mine of a mission.
