@@ -194,6 +194,18 @@ fn the_ways_of_a_cloud_stand_in_the_results_where_they_are_asked_for() {
         assert!(low_rad > -0.5 && high_rad < 0.5, "the lidar sees no shaft, and says so: {low_rad} to {high_rad}");
     }
     assert!(results_of(&flight, &["--quiet"]).1.iter().all(|line| line.get("ways").is_none()));
+    let path = flight.display().to_string();
+    let summary = run(["run", &path, "--preset", "3d"]).stdout;
+    assert!(summary.contains("cut by view") && summary.matches(" level ").count() == 2, "{summary}");
+    // Beside a preset that does not take clouds, and after it.
+    let confidence = |with: &[&str]| {
+        let with = with.iter().flat_map(|with| ["--with", with]);
+        let csv = run(["compare", &path, "--csv", "-"].into_iter().chain(with)).stdout;
+        let rows: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
+        let column = rows[0].iter().position(|name| *name == "mean_confidence").expect("a column");
+        rows.last().expect("a row")[column].to_owned()
+    };
+    assert_eq!(confidence(&["default", "3d"]), confidence(&["3d"]));
 }
 
 /// A level gallery along x, from which a ramp leads up to the left, seen all around by a lidar that is turned so in the gallery.

@@ -39,7 +39,7 @@ fn graph(kind: &AffinityKind, revolution: &Revolution) -> Option<Affinity> {
 
 /// How many rows W has: one for each return, or for each direction.
 fn rows(affinity: &Affinity, revolution: &Revolution) -> usize {
-    affinity.dual.as_ref().map_or(revolution.len(), |dual| dual.directions.len())
+    affinity.dual.as_ref().map_or(revolution.len(), |dual| dual.rows().count())
 }
 
 fn any_revolution() -> impl Strategy<Value = Revolution> {

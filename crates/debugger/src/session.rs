@@ -145,7 +145,8 @@ impl Session {
         let mut layers = self.layers.clone();
         layers.push(Layer::settings("set", &settings).map_err(refused)?);
         let config = Config::resolve(&self.means.registry, &layers).map_err(refused)?;
-        let is_read_alike = settings_of_step(&config, Step::Ingest) == settings_of_step(self.config(), Step::Ingest);
+        let is_read_alike = settings_of_step(&config, Step::Ingest) == settings_of_step(self.config(), Step::Ingest)
+            && (self.config().takes_cloud() || !config.takes_cloud());
         let flight =
             if is_read_alike { Arc::clone(&self.now.given.flight) } else { Arc::new(read(&mut self.reader, &config)?) };
         let injected = self.now.given.injected.clone();
@@ -204,7 +205,7 @@ pub(crate) fn refused(error: ConfigError) -> Refused {
     Refused::Usage(error.to_string())
 }
 
-/// "3 walls, tee, k = 3, confidence 0.97", or why there is no answer.
+/// "3 walls, tee, k = 3, confidence 0.97", with the ways on first where these are counted; or why there is no answer.
 pub(crate) fn answer_in_words(frame: &Frame) -> String {
     if let Some(failure) = &frame.failure {
         return failure.to_string();
@@ -213,5 +214,6 @@ pub(crate) fn answer_in_words(frame: &Frame) -> String {
     let confidence = junction.confidence.map_or_else(String::new, |confidence| format!(", confidence {confidence:.2}"));
     let walls = counted(junction.junctions as u64, "wall");
     let place = junction.place.to_string().replace('_', " ");
-    format!("{walls}, {place}, k = {}{confidence}", frame.spectrum.k)
+    let ways = junction.ways.as_ref().map_or_else(String::new, |ways| counted(ways.len() as u64, "way") + " on, ");
+    format!("{ways}{walls}, {place}, k = {}{confidence}", frame.spectrum.k)
 }

@@ -130,12 +130,12 @@ impl Answer {
 }
 
 impl Answer {
-    /// Whether both have the same walls and name the place alike, or fail alike.
+    /// Whether both have the same walls and ways on and name the place alike, or fail alike.
     pub(crate) fn is_same(&self, other: &Self) -> bool {
         let agreement = Agreement::of(&self.line, &other.line);
         self.failure == other.failure
             && self.line.place == other.line.place
-            && agreement.is_ok_and(|agreement| agreement.same_walls)
+            && agreement.is_ok_and(|agreement| agreement.is_same())
     }
 }
 

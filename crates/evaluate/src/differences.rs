@@ -23,17 +23,23 @@ pub struct Differences {
     pub openings_lacking: Proportion,
     /// Openings of the second answer that the first lacks, of all of the second.
     pub openings_more: Proportion,
+    /// Ways on of the first answer that the second lacks, of all of the first.
+    #[serde(skip_serializing_if = "Proportion::is_of_none")]
+    pub ways_lacking: Proportion,
+    /// Ways on of the second answer that the first lacks, of all of the second.
+    #[serde(skip_serializing_if = "Proportion::is_of_none")]
+    pub ways_more: Proportion,
     /// Number of revolutions by the two counts.
     #[serde(skip)]
     pub counts: BTreeMap<[usize; 2], u64>,
-    /// The stretches where walls differ, flight by flight, in order.
+    /// The stretches where walls or ways on differ, flight by flight, in order.
     pub stretches: Vec<Stretch>,
     /// Whether the last revolution differed, so that the next one may extend its stretch.
     #[serde(skip)]
     is_differing: bool,
 }
 
-/// Consecutive revolutions with the same two counts and with walls that differ.
+/// Consecutive revolutions with the same counts and with walls or ways on that differ.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Stretch {
     /// The flight that they are of.
@@ -44,8 +50,11 @@ pub struct Stretch {
     pub stamp_ns: [u64; 2],
     /// Number of revolutions.
     pub revolutions: u64,
-    /// The count of each configuration. If they are equal, the walls differ.
+    /// The count of each configuration. If they are equal, the walls or ways differ.
     pub junctions: [usize; 2],
+    /// The number of ways on of each configuration, where both count these.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ways: Option<[usize; 2]>,
     /// The least confidence of each configuration; `None` if it has none.
     pub confidence: [Option<f64>; 2],
 }
@@ -62,11 +71,15 @@ impl Differences {
         let unmatched = |of: usize| Proportion { hits: (of - openings.matched.len()) as u64, of: of as u64 };
         self.openings_lacking.merge(unmatched(openings.truth));
         self.openings_more.merge(unmatched(openings.reported));
+        if let Some(([first, second], both)) = agreement.ways {
+            self.ways_lacking.merge(Proportion { hits: (first - both) as u64, of: first as u64 });
+            self.ways_more.merge(Proportion { hits: (second - both) as u64, of: second as u64 });
+        }
         *self.counts.entry(agreement.junctions).or_default() += 1;
-        if !agreement.same_walls {
+        if !agreement.is_same() {
             self.extend_stretch(agreement);
         }
-        self.is_differing = !agreement.same_walls;
+        self.is_differing = !agreement.is_same();
     }
 
     /// Adds the differences over another flight of this name.
@@ -78,14 +91,17 @@ impl Differences {
         self.returns_alike.merge(other.returns_alike);
         self.openings_lacking.merge(other.openings_lacking);
         self.openings_more.merge(other.openings_more);
+        self.ways_lacking.merge(other.ways_lacking);
+        self.ways_more.merge(other.ways_more);
         other.counts.into_iter().for_each(|(pair, revolutions)| *self.counts.entry(pair).or_default() += revolutions);
         self.stretches.extend(other.stretches.into_iter().map(|of| Stretch { flight: flight.to_owned(), ..of }));
         self.is_differing = false;
     }
 
     fn extend_stretch(&mut self, agreement: &Agreement) {
+        let ways = agreement.ways.map(|(ways, _)| ways);
         match self.stretches.last_mut() {
-            Some(last) if self.is_differing && last.junctions == agreement.junctions => {
+            Some(last) if self.is_differing && (last.junctions, last.ways) == (agreement.junctions, ways) => {
                 last.seq[1] = agreement.seq;
                 last.stamp_ns[1] = agreement.stamp_ns;
                 last.revolutions += 1;
@@ -98,6 +114,7 @@ impl Differences {
                 stamp_ns: [agreement.stamp_ns; 2],
                 revolutions: 1,
                 junctions: agreement.junctions,
+                ways,
                 confidence: agreement.confidence,
             }),
         }

@@ -27,6 +27,11 @@ impl Proportion {
         self.of += other.of;
     }
 
+    /// Whether there are no cases.
+    pub fn is_of_none(&self) -> bool {
+        self.of == 0
+    }
+
     /// p = hits / of; `None` without cases.
     pub fn value(&self) -> Option<f64> {
         (self.of > 0).then(|| self.hits as f64 / self.of as f64)

@@ -39,10 +39,14 @@ impl Explanation {
     }
 }
 
-/// The returns of each wall; none if the parts of the frame do not fit each other.
+/// The returns of each wall; none if the parts of the frame do not fit each other, or rows of W are no returns.
 fn walls_of(frame: &Frame) -> Vec<Vec<usize>> {
     let (n, wall_of) = (frame.revolution.len(), &frame.junction.wall_of_return);
-    if wall_of.len() != n || frame.affinity.weights.n() != n || frame.affinity.degrees.len() != n {
+    if frame.affinity.dual.is_some()
+        || wall_of.len() != n
+        || frame.affinity.weights.n() != n
+        || frame.affinity.degrees.len() != n
+    {
         return Vec::new();
     }
     let walls = wall_of.iter().flatten().max().map_or(0, |&last| last as usize + 1);

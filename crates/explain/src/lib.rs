@@ -27,6 +27,7 @@ mod nearest;
 mod sentence;
 mod wall_edges;
 mod watch;
+mod ways;
 mod words;
 
 pub use change::Change;
@@ -35,4 +36,5 @@ pub use judged::{Judged, judged};
 pub use nearest::Nearest;
 pub use wall_edges::{Edge, WallEdges};
 pub use watch::{Doubt, Event, Watch};
+pub use ways::ways;
 pub use words::{inequality, wall, widths};

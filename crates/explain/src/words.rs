@@ -3,6 +3,7 @@
 use crosscut_stage::{Beam, Frame, Junction, KnownGaps, Place, Spectrum, Verdict, counted};
 
 use crate::judged::{Judged, judged};
+use crate::ways::ways;
 use crate::{Change, Edge, Explanation, WallEdges};
 
 /// The text has a line for at most this many walls.
@@ -12,7 +13,7 @@ const MOST_VERDICTS: usize = 5;
 
 impl Explanation {
     /// The explanation as Markdown: the count in a sentence, then its [details](Self::details). `color_of` names the colour
-    /// in which a wall is drawn; empty where it is not drawn.
+    /// in which a wall is drawn, or a way where these are counted; empty where it is not drawn.
     pub fn to_markdown(&self, frame: &Frame, color_of: &dyn Fn(u32) -> &'static str) -> String {
         format!("{}\n\n{}", self.title(frame, color_of), self.details(frame, color_of))
     }
@@ -51,9 +52,9 @@ impl Words<'_> {
     fn count(&self) -> String {
         let (k, junction) = (self.frame.spectrum.k, &self.frame.junction);
         let place = junction.place.words();
-        if let Some(ways) = &junction.ways {
+        if junction.ways.is_some() {
             let rows = self.frame.affinity.degrees.len();
-            let lines: Vec<String> = ways.iter().map(|way| format!("- {}, p = {:.2}", way.words(), way.p)).collect();
+            let lines: Vec<String> = ways(self.frame, self.color_of).iter().map(|line| format!("- {line}")).collect();
             return format!(
                 "k = {k} zeros of L, whose rows are {rows} directions in which the vehicle gets on: each component is a way on. Walls \
                  and place ({place}) are those of the level view.\n{}",
@@ -258,7 +259,11 @@ impl Words<'_> {
 
 /// What a wall is called: "wall 3 (vermilion)"; "wall 3" where it is not drawn.
 pub fn wall(id: u32, color: &str) -> String {
-    if color.is_empty() { format!("wall {id}") } else { format!("wall {id} ({color})") }
+    numbered("wall", id, color)
+}
+
+pub(crate) fn numbered(what: &str, id: u32, color: &str) -> String {
+    if color.is_empty() { format!("{what} {id}") } else { format!("{what} {id} ({color})") }
 }
 
 /// The inequality that gives k: "λ3 7.4e-9 < τ 1.0e-7 ≤ λ4 2.5e-5".

@@ -1,8 +1,10 @@
 //! Explanations of graphs small enough to be worked out by hand.
 
-use crosscut_explain::{Edge, Event, Explanation, Watch};
+use crosscut_explain::{Edge, Event, Explanation, Watch, ways};
 use crosscut_stage::NoteCode::N101;
-use crosscut_stage::{Beam, Frame, Measured, Place, Point, Sweep, Verdict, Wall, Weights};
+use crosscut_stage::{
+    Beam, Between, Cell, Dual, Evidence, Frame, Measured, Place, Point, Sweep, Verdict, Wall, Way, Weights,
+};
 use faer::Mat;
 
 /// Returns along a line at these places, with W = exp(-σ d²), in walls.
@@ -341,4 +343,46 @@ fn verdicts_closest_to_the_threshold_come_first() {
              (a slit; 0.00), p = 0.25",
         ]
     );
+}
+
+#[test]
+fn ways_say_in_metres_what_parts_them_by_the_numbers_of_the_report() {
+    let to = |x, y, z| Point::new(x, y, z).coords;
+    let way = |direction, clearance_m, p, is_wide| Way {
+        direction,
+        clearance_m,
+        p,
+        evidence: Evidence::SeenThrough,
+        cut_by_view: is_wide,
+        is_wide,
+    };
+    let [raise, left] = [way(to(0.0, 0.0, 1.0), 2.44, 0.98, false), way(to(0.0, 1.0, 0.0), 3.0, 0.6, true)];
+    let cell = |direction, reach_m, way| Cell { direction, range_m: reach_m, reach_m, way };
+    let mut frame = Frame::default();
+    frame.affinity.dual = Some(Dual {
+        cells: vec![cell(to(0.0, 1.0, 0.0), 14.2, Some(1)), cell(to(0.0, 0.0, 1.0), f64::INFINITY, Some(0))],
+        ways: vec![raise, left],
+        between: vec![Between { ways: [0, 1], direction: to(0.0, 0.6, 0.8), reach_m: 2.94 }],
+        tilt: Default::default(),
+        view_rad: [-1.0, 1.5],
+        cut_m: 4.2,
+        on_m: 4.6,
+    });
+    frame.junction.ways = Some(vec![left, raise]); // by bearing
+    let parted = "way 1 (red) and way 0 (red) are two: between them, at +90°, 53° up, the vehicle gets 2.9 m far; with 4.2 m they \
+                  were one.";
+    assert_eq!(
+        ways(&frame, &|_| "red"),
+        [
+            "**way 0 (red)**, level at +90°, 0° up: 3.0 m, p = 0.60: the vehicle gets 14.2 m far in it, and 4.6 m make a way. It goes \
+             on beyond the view: this is of the part in view. It takes up half a turn, as in a place that is wide for its height: it \
+             may be several ways.",
+            "**way 1 (red)**, shaft up at +0°, 90° up: 2.4 m, p = 0.98: the vehicle gets as far as the sensor sees in it, and 4.6 m \
+             make a way.",
+            parted
+        ]
+    );
+    let [title, reason] = Explanation::of(&frame).sentence(&frame, &|_| "red");
+    assert_eq!(title, "2 ways on, no wall in the level view.");
+    assert!(reason.starts_with("The least sure is level at") && reason.ends_with(parted), "{reason}");
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crosscut_stage::{Failure, Frame, KnownGaps, SURE, Step};
+use crosscut_stage::{Failure, Frame, KnownGaps, SURE, Step, Way};
 
 use crate::note_counts::NoteCounts;
 use crate::quantiles::Quantiles;
@@ -12,8 +12,10 @@ use crate::quantiles::Quantiles;
 pub struct Summary {
     /// Revolutions whose results were written.
     pub revolutions: u64,
-    /// Revolutions with each number of junctions.
-    pub junctions: BTreeMap<usize, Answers>,
+    /// Revolutions with each count: of ways on where these are counted, else of walls.
+    pub counts: BTreeMap<usize, Answers>,
+    /// The ways on of the last revolution, where these are counted.
+    pub ways: Option<Vec<Way>>,
     /// How their gaps are known.
     pub gaps: KnownGaps,
     /// Number of them with a note.
@@ -28,7 +30,7 @@ pub struct Summary {
     pub observer_errors: Vec<String>,
 }
 
-/// Revolutions of one number of junctions.
+/// Revolutions of one count.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Answers {
     /// All of them.
@@ -75,9 +77,9 @@ impl StageTimes {
 }
 
 impl Summary {
-    /// The answers of all revolutions, whatever their number of junctions.
+    /// The answers of all revolutions, whatever their count.
     pub fn answers(&self) -> Answers {
-        self.junctions.values().fold(Answers::default(), |all, of| Answers {
+        self.counts.values().fold(Answers::default(), |all, of| Answers {
             revolutions: all.revolutions + of.revolutions,
             sure: all.sure + of.sure,
             rated: all.rated + of.rated,
@@ -86,7 +88,9 @@ impl Summary {
 
     pub(crate) fn add(&mut self, frame: &Frame) {
         self.revolutions += 1;
-        let answers = self.junctions.entry(frame.junction.junctions).or_default();
+        self.ways.clone_from(&frame.junction.ways);
+        let count = self.ways.as_ref().map_or(frame.junction.junctions, Vec::len);
+        let answers = self.counts.entry(count).or_default();
         answers.revolutions += 1;
         answers.rated += u64::from(frame.junction.confidence.is_some());
         answers.sure += u64::from(frame.junction.confidence.is_some_and(|confidence| confidence >= SURE));

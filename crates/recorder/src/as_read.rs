@@ -1,10 +1,11 @@
 //! What ingest made of a scan beside ranges and beams, so that its revolution can be rebuilt to the last bit.
 
 use crosscut_stage::{Fan, Frame, Notes, Revolution, Sweep};
+use nalgebra::Vector4;
 use rerun::{Scalars, TextDocument};
 
 use crate::rows::Rows;
-use crate::schema::{SCAN_ENTRIES, SCAN_NOTES, SCAN_ODOMETRY, SCAN_POINTS, SCAN_SWEEP};
+use crate::schema::{SCAN_CLOUD_TILT, SCAN_ENTRIES, SCAN_NOTES, SCAN_ODOMETRY, SCAN_POINTS, SCAN_SWEEP};
 use crate::tensors::{f64_matrix, f64_vector, i32_vector};
 
 /// What was logged last of what is logged on change.
@@ -31,6 +32,10 @@ impl AsRead {
         if !revolution.entries.is_empty() {
             let entries = i32_vector(revolution.entries.iter().copied(), SCAN_ENTRIES.dims);
             rows.log_tensor(&SCAN_ENTRIES, entries, &[]);
+        }
+        let tilt = revolution.cloud_tilt.into_inner().coords;
+        if tilt != Vector4::w() {
+            rows.log(&SCAN_CLOUD_TILT, &Scalars::new(tilt.iter().copied()));
         }
         if let Some(pose) = &revolution.odometry {
             let (at, turned) = (pose.translation.vector, pose.rotation);

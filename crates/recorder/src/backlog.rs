@@ -148,7 +148,8 @@ impl Backlog {
 /// drawing 8 bytes a number; the exact W up to 12 bytes an entry, the exact U 8 bytes a number.
 fn estimated_bytes(frame: &Frame, share: Share) -> (u64, u64) {
     let (n, k) = (frame.revolution.len() as u64, frame.spectrum.u.ncols() as u64);
-    let light = (16 << 10) + 100 * n + 8 * frame.partition.centroids.nrows() as u64 * k;
+    let cloud = 14 * frame.revolution.cloud_m.len() as u64;
+    let light = (16 << 10) + 100 * n + cloud + 8 * frame.partition.centroids.nrows() as u64 * k;
     let matrices = if share.matrices { n * n / 2 + 8 * n * k } else { 0 };
     let exact = if share.exact { 12 * frame.affinity.weights.stored() as u64 + 8 * n * k } else { 0 };
     (light, light + matrices + exact)

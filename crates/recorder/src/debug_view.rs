@@ -44,7 +44,7 @@ pub struct DebugView {
 }
 
 /// The layout changes with this: whether there are two sides, and of each whether gaps decide and the number of beams.
-type LaidOut = [Option<(bool, usize)>; 2];
+type LaidOut = [Option<(usize, [bool; 2])>; 2];
 
 impl DebugView {
     /// Connects to the native viewer; starts one unless one is open. Ctrl-C does not reach it.
@@ -110,7 +110,7 @@ impl DebugView {
 
     fn lay_out(&mut self, now: &Recorder) -> Result<(), RecorderError> {
         let extents = [self.held.as_ref().map(Recorder::extent), Some(now.extent())];
-        let asks = extents.map(|extent| extent.map(|Extent { by_gaps, places, .. }| (by_gaps, places)));
+        let asks = extents.map(|extent| extent.map(Extent::asks));
         if self.laid_out.replace(asks) == Some(asks) {
             return Ok(());
         }

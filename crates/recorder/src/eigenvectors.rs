@@ -52,7 +52,7 @@ impl Bands {
             let largest = (0..u.nrows()).map(|i| u[(i, band)].abs()).fold(0.0, f64::max);
             for (i, &place) in order.places.iter().enumerate() {
                 let steps = (STEPS * u[(i, band)] / largest.max(f64::MIN_POSITIVE)).round();
-                self.levels[place] = (f64::from(ZERO) + steps) as u8;
+                self.levels[place..place + order.pixels].fill((f64::from(ZERO) + steps) as u8);
             }
             self.picture.fill_rows(band * height / bands, (band + 1) * height / bands, &self.levels);
         }
@@ -87,7 +87,7 @@ impl Bands {
 
 /// A bar for each run of returns of one wall, and the name of each band.
 fn log_bars(rows: &mut Rows, order: &BeamOrder, classes: &Classes, (height, bands): (usize, usize)) {
-    let runs = runs(&classes.returns, &order.places);
+    let runs = runs(classes.of_rows(), &order.places, order.pixels);
     let y = -0.03 * order.used as f32;
     let bars = LineStrips2D::new(runs.iter().map(|&(_, from, to)| [[from as f32, y], [to as f32, y]]))
         .with_class_ids(runs.iter().map(|&(class, ..)| class));

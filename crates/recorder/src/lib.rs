@@ -11,7 +11,7 @@
 //! stage builds anything for the recording alone.
 //!
 //! In the pictures of W and L, return i stands at the pixel of its beam, so that walls stay in place and openings are
-//! dark bands; the side is the number of beams rounded up to a multiple of 64. Without beams, or with more than 1024,
+//! dark bands; rows that are directions share the largest side. Else the side is the number of beams rounded up to a multiple of 64. Without beams, or with more than 1024,
 //! return i stands at pixel i of 1024. A value of 1e-16 or more reads back within half a decade.
 //!
 //! [`Scope`] sets how much of which revolutions is recorded. A wall keeps the class, and so the colour, of the wall that
@@ -77,6 +77,7 @@ mod tracks;
 mod truth;
 mod viewer;
 mod walls;
+mod ways;
 mod whole;
 mod why;
 mod words;

@@ -58,7 +58,7 @@ impl Pictures {
         self.side = order.side;
         self.clear();
         if is_drawn(frame) {
-            self.draw(&frame.affinity, &order.places);
+            self.draw(&frame.affinity, order);
         }
         self.log_pictures(rows);
     }
@@ -82,15 +82,15 @@ impl Pictures {
     }
 
     /// |L_ij| = W_ij / √(D_i D_j) off the diagonal, which is at most W_ij as D >= 1; L_ii = 1 - W_ii / D_i with W_ii = 1.
-    fn draw(&mut self, affinity: &Affinity, places: &[usize]) {
+    fn draw(&mut self, affinity: &Affinity, BeamOrder { places, pixels, .. }: &BeamOrder) {
         let Self { scale, roots, w: w_picture, l: l_picture, .. } = self;
         roots.clear();
         roots.extend(affinity.degrees.iter().map(|degree| degree.sqrt().recip()));
         let mut entry = |i: usize, j: usize, w: f64| {
             let level = scale.level(w);
             if level > 0 {
-                w_picture.set(places[i], places[j], level);
-                l_picture.set(places[i], places[j], scale.level(w * roots[i] * roots[j]));
+                w_picture.set(places[i], places[j], *pixels, level);
+                l_picture.set(places[i], places[j], *pixels, scale.level(w * roots[i] * roots[j]));
             }
         };
         match &affinity.weights {
@@ -107,7 +107,7 @@ impl Pictures {
             }),
         }
         for (place, degree) in places.iter().zip(&affinity.degrees) {
-            l_picture.set(*place, *place, scale.level((1.0 - degree.recip()).abs()));
+            l_picture.set(*place, *place, *pixels, scale.level((1.0 - degree.recip()).abs()));
         }
     }
 }
@@ -140,9 +140,9 @@ impl Absent {
         let n = frame.affinity.weights.n();
         let reason = match has_matrices {
             false => "Not recorded (recording.detail=light)".to_owned(),
+            true if n == 0 && frame.affinity.dual.is_some() => "No direction is a way".to_owned(),
             true if n == 0 => "The scan has no return".to_owned(),
-            true if frame.affinity.dual.is_some() => format!("Rows are {n} directions, not returns: no picture"),
-            true if !is_drawn(frame) => format!("{n} returns: pictures are made up to {LARGEST_SIDE}"),
+            true if !is_drawn(frame) => format!("{n} rows: pictures are made up to {LARGEST_SIDE}"),
             true => String::new(),
         };
         if self.written.as_ref() == Some(&reason) {
@@ -158,8 +158,8 @@ impl Absent {
 /// Whether W and L of this revolution are drawn.
 pub(crate) fn is_drawn(frame: &Frame) -> bool {
     let n = frame.affinity.weights.n();
-    let is_of_returns = frame.affinity.dual.is_none() && frame.revolution.len() == n;
-    (1..=LARGEST_SIDE).contains(&n) && frame.affinity.degrees.len() == n && is_of_returns
+    let is_whole = frame.affinity.dual.is_some() || frame.revolution.len() == n;
+    (1..=LARGEST_SIDE).contains(&n) && frame.affinity.degrees.len() == n && is_whole
 }
 
 /// Levels of values: decades above 1e-16, rounded, without a logarithm for each value.

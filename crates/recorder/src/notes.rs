@@ -27,8 +27,8 @@ impl Notes {
     fn new_of(&mut self, frame: &Frame) -> Vec<String> {
         let mut notes = frame.notes.coded().to_vec();
         let n = frame.affinity.weights.n();
-        if n > 0 && frame.affinity.dual.is_none() && !is_drawn(frame) {
-            notes.push((N099, format!("no picture of W and L: {n} returns, pictures are made up to {LARGEST_SIDE}")));
+        if n > 0 && !is_drawn(frame) {
+            notes.push((N099, format!("no picture of W and L: {n} rows, pictures are made up to {LARGEST_SIDE}")));
         }
         let codes = notes.iter().map(|(code, _)| *code).collect();
         let before = std::mem::replace(&mut self.before, codes);

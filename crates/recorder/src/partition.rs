@@ -44,7 +44,7 @@ pub(crate) fn log(rows: &mut Rows, frame: &Frame, order: &BeamOrder, classes: &C
 fn log_labels(rows: &mut Rows, partition: &Partition, order: &BeamOrder, classes: &Classes) {
     let margin = -0.025 * order.used as f32;
     let clusters: Vec<u16> = partition.labels.iter().map(|label| classes.of_cluster(*label)).collect();
-    let runs = runs(&clusters, &order.places);
+    let runs = runs(&clusters, &order.places, order.pixels);
     let along = |&(_, from, to): &(u16, usize, usize)| {
         let (from, to) = (from as f32, to as f32);
         [[[from, margin], [to, margin]], [[margin, from], [margin, to]]]
@@ -59,10 +59,10 @@ fn log_labels(rows: &mut Rows, partition: &Partition, order: &BeamOrder, classes
 /// be seen.
 pub(crate) fn log_blocks(rows: &mut Rows, frame: &Frame, order: &BeamOrder, classes: &Classes) {
     let large = |&&(class, from, to): &&(u16, usize, usize)| {
-        class != NO_WALL && frame.affinity.dual.is_none() && (to - from) as f64 >= BLOCK_SHARE * order.used as f64
+        class != NO_WALL && (to - from) as f64 >= BLOCK_SHARE * order.used as f64
     };
     let is_sparse = matches!(frame.affinity.weights, Weights::Sparse(_));
-    let runs = runs(&classes.returns, &order.places);
+    let runs = runs(classes.of_rows(), &order.places, order.pixels);
     let (frames, colors): (Vec<_>, Vec<_>) = (runs.iter().filter(large))
         .map(|&(class, from, to)| {
             let (from, to) = (from as f32, to as f32);
@@ -82,11 +82,11 @@ pub(crate) fn log_blocks(rows: &mut Rows, frame: &Frame, order: &BeamOrder, clas
     rows.log(&KMEANS_BLOCKS, &LineStrips2D::new(frames).with_class_ids(colors));
 }
 
-/// Class, first place and place after the last of each run of equal classes. Gaps of [`GAP`] places or more end a run.
-pub(crate) fn runs(classes: &[u16], places: &[usize]) -> Vec<(u16, usize, usize)> {
+/// Class, first place and place after the last of each run of equal classes, of which each takes so many pixels. Gaps of [`GAP`] places or more end a run.
+pub(crate) fn runs(classes: &[u16], places: &[usize], pixels: usize) -> Vec<(u16, usize, usize)> {
     let placed: Vec<(u16, usize)> = classes.iter().copied().zip(places.iter().copied()).collect();
-    let joined = |a: &(u16, usize), b: &(u16, usize)| a.0 == b.0 && b.1 - a.1 <= GAP;
-    placed.chunk_by(joined).map(|run| (run[0].0, run[0].1, run[run.len() - 1].1 + 1)).collect()
+    let joined = |a: &(u16, usize), b: &(u16, usize)| a.0 == b.0 && b.1 - a.1 <= GAP.max(pixels);
+    placed.chunk_by(joined).map(|run| (run[0].0, run[0].1, run[run.len() - 1].1 + pixels)).collect()
 }
 
 #[cfg(test)]
@@ -96,6 +96,7 @@ mod tests {
     #[test]
     fn runs_end_at_another_class_and_at_gaps() {
         let (a, b) = (0, 1);
+        let runs = |classes: &[u16], places: &[usize]| runs(classes, places, 1);
         let expected = [(0, 2, 4), (1, 4, 5), (NO_WALL, 5, 6), (0, 6, 7)];
         assert_eq!(runs(&[a, a, b, NO_WALL, a], &[2, 3, 4, 5, 6]), expected);
         assert_eq!(runs(&[a, a, a], &[0, 2, 30]), [(0, 0, 3), (0, 30, 31)]);

@@ -49,10 +49,13 @@ impl Picture {
         self.rows.resize(height * (width + FILTER_BYTES), 0);
     }
 
-    /// Sets the pixel in row `i` and column `j`.
-    pub(crate) fn set(&mut self, i: usize, j: usize, level: u8) {
-        self.rows[i * (self.width + FILTER_BYTES) + FILTER_BYTES + j] = level;
-        self.set += 1;
+    /// Sets a square of so many pixels a side from row `i` and column `j` on.
+    pub(crate) fn set(&mut self, i: usize, j: usize, pixels: usize, level: u8) {
+        for row in i..i + pixels {
+            let first = row * (self.width + FILTER_BYTES) + FILTER_BYTES + j;
+            self.rows[first..first + pixels].fill(level);
+        }
+        self.set += pixels * pixels;
     }
 
     /// Fills the rows `from` up to `to` with levels by column. All but the first are stored as equal to the row above.
@@ -133,7 +136,8 @@ mod tests {
             for level in [noise, |_, _| 0, |i, j| u8::from(i == j)] {
                 let mut picture = Picture::default();
                 picture.clear(width, height);
-                (0..width * height).for_each(|at| picture.set(at / width, at % width, level(at / width, at % width)));
+                (0..width * height)
+                    .for_each(|at| picture.set(at / width, at % width, 1, level(at / width, at % width)));
                 let png = encoder.encode(&picture);
                 let read = rerun::external::image::load_from_memory(&png).expect("a PNG").to_luma8();
                 assert_eq!(read.dimensions(), (width as u32, height as u32));

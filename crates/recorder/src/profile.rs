@@ -82,7 +82,7 @@ pub(crate) fn log(rows: &mut Rows, frame: &Frame, classes: &Classes, reach_m: f6
     let bar = |(class, from, to): (u16, usize, usize)| {
         (vec![[along * from as f32, WALLS_Y], [along * to as f32, WALLS_Y]], class, Radius::new_ui_points(4.0))
     };
-    lines.extend(runs(&classes.returns, &places).into_iter().map(bar));
+    lines.extend(runs(&classes.returns, &places, 1).into_iter().map(bar));
     let height = |i: usize| -HEIGHT * (frame.revolution.range_m(i) / reach_m).min(1.0) as f32;
     let placed: Vec<(u16, [f32; 3])> = (classes.returns.iter().zip(&places).enumerate().take(frame.revolution.len()))
         .map(|(i, (class, place))| (*class, [along * (*place as f32 + 0.5), height(i), 0.0]))

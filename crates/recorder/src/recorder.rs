@@ -217,7 +217,7 @@ impl Recorder {
         self.outputs.stream().set_time_sequence(COMMAND, command);
         self.rows.set_time(frame.revolution.seq, frame.revolution.stamp_ns);
         let extent = Extent::of(frame);
-        let is_alike = |before: &Extent| (before.places, before.by_gaps) == (extent.places, extent.by_gaps);
+        let is_alike = |before: &Extent| before.asks() == extent.asks();
         if !self.extent.as_ref().is_some_and(is_alike) {
             self.log_extent(Extent { range_m: self.extent.map_or(extent.range_m, |before| before.range_m), ..extent })?;
         }

@@ -1,6 +1,6 @@
 //! The answer: count, place, walls and openings, as values and as text.
 
-use crosscut_stage::{Frame, Opening, Wall, counted};
+use crosscut_stage::{Frame, Opening, Wall, Way, counted};
 use rerun::{
     MediaType, RecordingStream, RecordingStreamResult, Scalars, StateChange, StateConfiguration, TextDocument,
 };
@@ -63,13 +63,18 @@ fn summary(frame: &Frame, classes: &Classes) -> String {
     let (count, k, n) = (junction.junctions, spectrum.k, frame.revolution.len());
     let confidence =
         junction.confidence.map_or("unknown".to_owned(), |confidence| format!("{:.0} %", 100.0 * confidence));
+    let ways = junction.ways.as_ref().map_or_else(String::new, |ways| counted(ways.len() as u64, "way") + " on · ");
     let mut lines = vec![
-        format!("# {} · {}\n", counted(count as u64, "wall"), junction.place.words()),
+        format!("# {ways}{} · {}\n", counted(count as u64, "wall"), junction.place.words()),
         format!("k = {k}, {}, confidence {confidence}.", counted(n as u64, "return")),
     ];
     lines.extend(spectrum.margin_decades.map(|margin| format!("Margin of k: {margin:.1} decades.")));
     let holds_m = frame.affinity.holds_for_width_m;
     lines.extend(holds_m.map(|holds_m| crosscut_explain::widths(count, holds_m)));
+    if let Some(ways) = &junction.ways {
+        lines.push("\n| way on | colour | where to: clearance | p | cut by view |\n|---|---|---|---|---|".to_owned());
+        lines.extend((0..).zip(ways).map(|(number, way)| way_row(number, way, classes)));
+    }
     if !junction.openings.is_empty() {
         lines.push("\n| opening | width | between walls | seen by | known |\n|---|---|---|---|---|".to_owned());
         lines.extend(junction.openings.iter().map(opening_row));
@@ -79,6 +84,11 @@ fn summary(frame: &Frame, classes: &Classes) -> String {
         lines.extend(junction.walls.iter().map(|wall| wall_row(wall, classes)));
     }
     lines.join("\n")
+}
+
+fn way_row(number: u32, way: &Way, classes: &Classes) -> String {
+    let (color, cut) = (name_of(classes.of_way(Some(number))), if way.cut_by_view { "yes" } else { "no" });
+    format!("| {number} | {color} | {} | {:.2} | {cut} |", way.words(), way.p)
 }
 
 fn opening_row(opening: &Opening) -> String {

@@ -21,6 +21,7 @@ use crate::scope::Share;
 use crate::timing::Times;
 use crate::tracks::Tracks;
 use crate::walls::Before;
+use crate::ways::Unrolled;
 use crate::why::Told;
 use crate::{exact, gaps, numbers, partition, profile, report, scan, spectrum, truth, why};
 
@@ -36,6 +37,7 @@ pub(crate) struct RevolutionLog {
     beams: BeamGeometry,
     as_read: AsRead,
     pictures: Pictures,
+    unrolled: Unrolled,
     bands: Bands,
     absent: Absent,
     truth_before: Option<usize>,
@@ -53,7 +55,7 @@ impl RevolutionLog {
         extent: Extent,
         options: &RecorderOptions,
     ) {
-        let order = BeamOrder::of(&frame.revolution);
+        let order = BeamOrder::of(frame);
         let classes = self.tracks.classes_of(frame);
         let reach_m = extent.range_m;
         if let Some(sweep) = frame.revolution.beams()
@@ -62,6 +64,7 @@ impl RevolutionLog {
             profile::log_axes(rows, reach_m, sweep);
         }
         scan::log(rows, frame, &classes, reach_m);
+        self.unrolled.log(rows, frame, &classes, extent.has_ways());
         self.as_read.log(rows, frame);
         let scale = spectrum::embedding_scale(&frame.spectrum.u);
         spectrum::log(rows, frame);

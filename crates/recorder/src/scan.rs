@@ -1,6 +1,6 @@
 //! What the sensor saw, in the body frame (metres, x forward, y left): 3D archetypes, seen from above in the layout.
 
-use crosscut_stage::{Beam, Frame, Junction, Opening, Point, Revolution, Sweep, Way, WayKind};
+use crosscut_stage::{Beam, Frame, Junction, Opening, Point, Revolution, Sweep};
 use nalgebra::Vector3;
 use rerun::{
     Arrows3D, AsComponents, LineStrip3D, LineStrips3D, Points3D, Radius, RecordingStream, RecordingStreamResult,
@@ -23,8 +23,6 @@ const GAP_M: f64 = 2.5;
 const LINE_M: f32 = 0.03;
 /// Length of the arrows through the openings, as a share of the view's reach.
 const ARROW: f64 = 0.18;
-/// Length of the arrows along ways that are not level, as a share of the view's reach.
-const WAY: f64 = 0.5;
 /// How far behind an opening its width is written, as a share of the view's reach.
 const WIDTH_BEYOND: f64 = 0.22;
 /// How much farther behind an opening to the side its width is written, as text is wide; a share of the view's reach.
@@ -60,7 +58,7 @@ pub(crate) fn log(rows: &mut Rows, frame: &Frame, classes: &Classes, reach_m: f6
         rows.log_tensor(&SCAN_SEEN, u8_vector(sweep.beams.iter().map(seen), SCAN_SEEN.dims), &[]);
     }
     log_walls(rows, revolution, junction, classes);
-    log_openings(rows, &junction.openings, junction.ways.as_deref(), reach_m);
+    log_openings(rows, &junction.openings, reach_m);
 }
 
 /// 2: a return; 1: nothing in range; 0: unknown.
@@ -105,12 +103,8 @@ fn wall_strips(points_m: &[Point], wall_of: &[Option<u32>], closed: bool) -> Vec
     strips
 }
 
-/// An arrow through each opening with its width, and a bar across it; bearing and width exactly as a tensor. An arrow from the
-/// sensor along each way that is not level.
-fn log_openings(rows: &mut Rows, openings: &[Opening], ways: Option<&[Way]>, reach_m: f64) {
-    // Level ways are openings.
-    let ways = || ways.into_iter().flatten().filter(|way| way.kind() != WayKind::Level);
-    let towards_m = |way: &Way| way.direction * (WAY * reach_m);
+/// An arrow through each opening with its width, and a bar across it; bearing and width exactly as a tensor.
+fn log_openings(rows: &mut Rows, openings: &[Opening], reach_m: f64) {
     let arrow_m = |o: &Opening| ARROW * reach_m * inwards(o);
     let beyond = |o: &Opening| {
         let far_m = reach_m * (WIDTH_BEYOND + WIDTH_ASIDE * inwards(o).y.abs());
@@ -118,12 +112,9 @@ fn log_openings(rows: &mut Rows, openings: &[Opening], ways: Option<&[Way]>, rea
         xyz(&(at + reach_m * LABEL_RISE * Vector3::x()))
     };
     let width = |o: &Opening| format!("{}{:.1} m", if o.is_cut_by_view() { "≥ " } else { "" }, o.width_m);
-    let ends = ways().map(|way| xyz(&towards_m(way).into()));
-    let widths = Points3D::new(openings.iter().map(beyond).chain(ends.clone()))
-        .with_labels(openings.iter().map(width).chain(ways().map(Way::words)));
-    let from = openings.iter().map(|o| xyz(&(middle(o) - 0.25 * arrow_m(o)))).chain(ways().map(|_| [0.0; 3]));
-    let arrows =
-        Arrows3D::from_vectors(openings.iter().map(|o| xyz(&arrow_m(o).into())).chain(ends)).with_origins(from);
+    let widths = Points3D::new(openings.iter().map(beyond)).with_labels(openings.iter().map(width));
+    let arrows = Arrows3D::from_vectors(openings.iter().map(|o| xyz(&arrow_m(o).into())))
+        .with_origins(openings.iter().map(|o| xyz(&(middle(o) - 0.25 * arrow_m(o)))));
     let bars = LineStrips3D::new(openings.iter().map(|o| o.edge_m.map(|end| xyz(&end))));
     let exact = openings.iter().flat_map(|o| [o.bearing_rad, o.width_m]).collect();
     let table = f64_matrix(exact, [openings.len(), 2], SCAN_OPENINGS.dims);

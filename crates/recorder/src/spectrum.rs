@@ -72,7 +72,7 @@ pub(crate) fn log_embedding(rows: &mut Rows, frame: &Frame, classes: &Classes, s
     let exact = f16_matrix(rows_of(&spectrum.u), [n, k], SPECTRAL_U.dims);
     rows.log_tensor(&SPECTRAL_U, exact, &[]);
     let points = (0..n).map(|i| drawn_row(&spectrum.u, i, scale));
-    rows.log(&SPECTRAL_EMBEDDING, &Points3D::new(points).with_class_ids(classes.returns.iter().take(n).copied()));
+    rows.log(&SPECTRAL_EMBEDDING, &Points3D::new(points).with_class_ids(classes.of_rows().iter().take(n).copied()));
 }
 
 /// The factor that scales the farthest row of U to length 1 in drawings.

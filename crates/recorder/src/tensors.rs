@@ -39,6 +39,11 @@ pub(crate) fn f64_matrix(values: Vec<f64>, shape: [usize; 2], dims: Dims) -> Ten
     tensor(&shape, TensorBuffer::F64(values.into()), dims)
 }
 
+/// `values` row by row, as f32.
+pub(crate) fn f32_matrix(values: Vec<f32>, shape: [usize; 2], dims: Dims) -> TensorData {
+    tensor(&shape, TensorBuffer::F32(values.into()), dims)
+}
+
 /// The values of `m`, row by row.
 pub(crate) fn rows_of(m: &Mat<f64>) -> impl Iterator<Item = f64> {
     (0..m.nrows()).flat_map(move |i| (0..m.ncols()).map(move |j| m[(i, j)]))

@@ -4,11 +4,12 @@
 //! the same directions. Only the recording depends on it, no result does.
 
 use std::cmp::Reverse;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
-use crosscut_stage::Frame;
+use crosscut_stage::{Dual, Frame, Way};
+use nalgebra::Vector3;
 
-use crate::colors::{COLORS, NO_WALL};
+use crate::colors::{COLORS, NO_WALL, name_of};
 
 /// Number of directions: half a degree each.
 const BINS: usize = 720;
@@ -22,6 +23,10 @@ pub(crate) struct Classes {
     pub(crate) returns: Vec<u16>,
     /// By cluster.
     clusters: Vec<u16>,
+    /// By the number of the way on, where rows of W are directions.
+    pub(crate) ways: Vec<u16>,
+    /// By row of W, where rows are directions.
+    directions: Option<Vec<u16>>,
 }
 
 impl Classes {
@@ -30,7 +35,22 @@ impl Classes {
         wall.and_then(|wall| self.walls.get(wall as usize)).copied().unwrap_or(NO_WALL)
     }
 
-    /// The class of the wall that most of a cluster's returns belong to.
+    /// The class of a way.
+    pub(crate) fn of_way(&self, way: Option<u32>) -> u16 {
+        way.and_then(|way| self.ways.get(way as usize)).copied().unwrap_or(NO_WALL)
+    }
+
+    /// By row of W: the class of the wall or way that a row is of.
+    pub(crate) fn of_rows(&self) -> &[u16] {
+        self.directions.as_ref().unwrap_or(&self.returns)
+    }
+
+    /// The name of the colour of the wall of this number, or of the way where these are counted.
+    pub(crate) fn name(&self, number: u32) -> &'static str {
+        name_of(if self.directions.is_some() { self.of_way(Some(number)) } else { self.of_wall(Some(number)) })
+    }
+
+    /// The class of the wall or way that most of a cluster's rows belong to.
     pub(crate) fn of_cluster(&self, cluster: Option<u32>) -> u16 {
         cluster.and_then(|cluster| self.clusters.get(cluster as usize)).copied().unwrap_or(NO_WALL)
     }
@@ -40,15 +60,22 @@ impl Classes {
 #[derive(Clone)]
 pub(crate) struct Tracks {
     pub(crate) seen: Vec<Option<u16>>,
+    /// The same of ways on.
+    ways: Vec<Option<u16>>,
 }
 
 impl Default for Tracks {
     fn default() -> Self {
-        Self { seen: vec![None; BINS] }
+        Self::of(vec![None; BINS])
     }
 }
 
 impl Tracks {
+    /// With the classes that walls were seen with.
+    pub(crate) fn of(seen: Vec<Option<u16>>) -> Self {
+        Self { seen, ways: vec![None; BINS] }
+    }
+
     /// The classes of the next revolution's walls. Walls and earlier classes are paired, those that share the most
     /// directions first. A wall without a pair gets a class that was not seen lately. As many walls as there are colours have one each.
     pub(crate) fn classes_of(&mut self, frame: &Frame) -> Classes {
@@ -57,11 +84,40 @@ impl Tracks {
         for (seen, wall) in self.seen.iter_mut().zip(places) {
             *seen = wall.map(|wall| walls[wall as usize]).or(*seen);
         }
-        let clusters =
-            walls_of_clusters(frame).into_iter().map(|wall| wall.map_or(NO_WALL, |wall| walls[wall])).collect();
         let wall_of = |i: usize| frame.junction.wall_of_return.get(i).copied().flatten();
         let returns = (0..frame.revolution.len()).map(|i| wall_of(i).map_or(NO_WALL, |wall| walls[wall as usize]));
-        Classes { returns: returns.collect(), walls, clusters }
+        let mut classes = Classes { returns: returns.collect(), walls, ..Classes::default() };
+        let of_clusters = match (&frame.affinity.dual, &frame.junction.ways) {
+            (Some(dual), Some(ways)) => {
+                self.add_ways(dual, ways, &mut classes);
+                let rows = classes.of_rows().iter().zip(&frame.partition.labels);
+                most_of_clusters(rows.map(|(class, label)| (*label, Some(*class))), frame)
+            }
+            _ => {
+                let of_returns = frame.partition.labels.iter().zip(&frame.junction.wall_of_return);
+                let class = |wall: Option<u32>| wall.map(|wall| classes.of_wall(Some(wall)));
+                most_of_clusters(of_returns.map(|(label, wall)| (*label, class(*wall))), frame)
+            }
+        };
+        classes.clusters = of_clusters;
+        classes
+    }
+
+    /// The classes of ways, which they keep as walls do, by directions of 10°.
+    fn add_ways(&mut self, dual: &Dual, ways: &[Way], classes: &mut Classes) {
+        let numbers = dual.numbers_in(ways);
+        let rows: Vec<(usize, Option<u32>)> =
+            dual.rows().map(|(towards, of)| (place_of(&towards), numbers[of as usize])).collect();
+        let mut places = vec![None; BINS];
+        rows.iter().for_each(|(place, way)| places[*place] = way.or(places[*place]));
+        let seen = std::mem::take(&mut self.ways);
+        let tracks = Self { seen, ways: Vec::new() };
+        classes.ways = tracks.match_walls(&places, ways.len());
+        self.ways = tracks.seen;
+        for (seen, way) in self.ways.iter_mut().zip(places) {
+            *seen = way.map(|way| classes.ways[way as usize]).or(*seen);
+        }
+        classes.directions = Some(rows.iter().map(|(_, way)| classes.of_way(*way)).collect());
     }
 
     /// The class of each of `walls` walls, of which one or none is seen at each place.
@@ -150,23 +206,26 @@ fn number_of_walls(frame: &Frame) -> usize {
     last.map_or(0, |&last| last as usize + 1).max(frame.junction.walls.len())
 }
 
-/// The wall that most returns of each cluster belong to; `None` if most belong to none, or the cluster is one of directions.
-fn walls_of_clusters(frame: &Frame) -> Vec<Option<usize>> {
-    if frame.affinity.dual.is_some() {
-        return vec![None; frame.partition.clusters];
-    }
-    let none = number_of_walls(frame);
-    let returns = frame.partition.labels.iter().zip(&frame.junction.wall_of_return);
-    let of_cluster =
-        returns.filter_map(|(label, wall)| Some(((*label)? as usize, wall.map_or(none, |wall| wall as usize))));
-    let mut most = vec![(0, None); frame.partition.clusters];
-    for ((cluster, wall), count) in counts(of_cluster) {
-        // Of two walls with equally many returns, the first counts.
-        if let Some(most) = most.get_mut(cluster).filter(|(least, _)| count > *least) {
-            *most = (count, Some(wall).filter(|&wall| wall < none));
+/// The place of a direction among those of 10° a side.
+fn place_of(towards: &Vector3<f64>) -> usize {
+    const COLUMNS: f64 = 36.0;
+    let turn = (towards.y.atan2(towards.x) / TAU).rem_euclid(1.0);
+    let height = towards.z.clamp(-1.0, 1.0).asin() / PI + 0.5;
+    let [row, column] = [0.5 * COLUMNS * height, COLUMNS * turn].map(f64::floor);
+    (row.min(0.5 * COLUMNS - 1.0) * COLUMNS + column.min(COLUMNS - 1.0)) as usize
+}
+
+/// The class that most rows of each cluster have, of those that have one; none if most have none.
+fn most_of_clusters(rows: impl Iterator<Item = (Option<u32>, Option<u16>)>, frame: &Frame) -> Vec<u16> {
+    let mut most = vec![(0, NO_WALL); frame.partition.clusters];
+    for ((cluster, class), count) in counts(rows.filter_map(|(label, class)| Some((label?, class.unwrap_or(NO_WALL)))))
+    {
+        // Of two classes with equally many rows, the first counts.
+        if let Some(most) = most.get_mut(cluster as usize).filter(|(least, _)| count > *least) {
+            *most = (count, class);
         }
     }
-    most.into_iter().map(|(_, wall)| wall).collect()
+    most.into_iter().map(|(_, class)| class).collect()
 }
 
 #[cfg(test)]

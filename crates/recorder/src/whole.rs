@@ -9,7 +9,7 @@ use crate::schema::{ABOUT, COLORS, CONFIG};
 use crate::scope::Detail;
 use crate::{
     eigenvectors, flight_map, gaps, matrices, numbers, partition, profile, report, scan, schema, spectrum, timing,
-    truth, why,
+    truth, ways, why,
 };
 
 /// Logs what holds for the whole recording: colours, look, configuration, the text of `/about`, and the mine of a mission.
@@ -19,6 +19,7 @@ pub(crate) fn log(rec: &RecordingStream, options: &RecorderOptions, mine: Option
     log_config(rec, &options.config_toml)?;
     rec.log_static(ABOUT.path, &TextDocument::from_markdown(about()))?;
     scan::log_static(rec)?;
+    ways::log_static(rec)?;
     if options.scope.detail != Detail::Light {
         matrices::log_static(rec)?;
         eigenvectors::log_static(rec)?;

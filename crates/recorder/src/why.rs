@@ -8,7 +8,7 @@ use rerun::{
 };
 
 use crate::beam_order::{BeamOrder, LARGEST_SIDE};
-use crate::colors::{DOUBTS, EDGE, NAMED, OTHER, WEAK_EDGE, color, name_of};
+use crate::colors::{DOUBTS, EDGE, NAMED, OTHER, WEAK_EDGE, color};
 use crate::matrices::is_drawn;
 use crate::rows::Rows;
 use crate::scan::{within_view, xyz};
@@ -86,12 +86,12 @@ impl Doubts {
 /// preset and the truth, which a frame does not know.
 pub fn why(frame: &Frame) -> String {
     let classes = Tracks::default().classes_of(frame);
-    Explanation::of(frame).to_markdown(frame, &|wall| name_of(classes.of_wall(Some(wall))))
+    Explanation::of(frame).to_markdown(frame, &|number| classes.name(number))
 }
 
 /// The explanation of one revolution, and whether it is worth a look.
 pub(crate) fn log(rows: &mut Rows, frame: &Frame, explanation: &Explanation, told: &Told, watch: &mut Watch) {
-    let color_of = |wall| name_of(told.classes.of_wall(Some(wall)));
+    let color_of = |number| told.classes.name(number);
     let mut paragraphs = vec![explanation.title(frame, &color_of)];
     paragraphs.extend(told.changed.clone());
     paragraphs.extend([told.context(frame), LEGEND.into(), explanation.details(frame, &color_of)]);
@@ -239,7 +239,8 @@ fn readable(marks: Vec<Point>, reach_m: f64) -> Vec<Point> {
 /// the others would lie upon them.
 pub(crate) fn log_graph(rows: &mut Rows, frame: &Frame) {
     let (weights, n) = (&frame.affinity.weights, frame.revolution.len());
-    if !matches!(weights, Weights::Sparse(_)) || weights.n() != n || n > LARGEST_SIDE {
+    let is_of_returns = frame.affinity.dual.is_none() && weights.n() == n;
+    if !matches!(weights, Weights::Sparse(_)) || !is_of_returns || n > LARGEST_SIDE {
         return;
     }
     let mut links = Vec::new();

@@ -331,6 +331,7 @@ mod tests {
             p: 0.5,
             evidence: crosscut_stage::Evidence::NoReturn,
             cut_by_view: false,
+            is_wide: false,
         };
         line.ways = Some(vec![WayLine::of(&way)]);
         (line.ways_flyer, line.ways_ground, line.ways_view_rad) = (Some(1), Some(1), Some([0.0; 2]));

@@ -11,20 +11,21 @@ use nalgebra::Vector3;
 /// # Errors
 /// When there is not one label for each direction.
 pub(crate) fn of_clusters(dual: &Dual, partition: &Partition) -> Result<Vec<Way>, StageError> {
-    let (rows, labels) = (dual.directions.len(), &partition.labels);
-    if labels.len() != rows || dual.way_of_row.len() != rows {
-        return Err(StageError::Mismatch(format!("labels: {}, directions: {rows}", labels.len())));
+    let (rows, labels): (Vec<_>, _) = (dual.rows().collect(), &partition.labels);
+    if labels.len() != rows.len() {
+        return Err(StageError::Mismatch(format!("labels: {}, directions: {}", labels.len(), rows.len())));
     }
     let clusters = labels.iter().flatten().max().map_or(0, |last| last + 1);
     let way = |cluster: u32| {
-        let rows: Vec<usize> = (0..rows).filter(|row| labels[*row] == Some(cluster)).collect();
-        let of_row = dual.way_of_row[*rows.first()?];
+        let labelled = rows.iter().zip(labels).filter(|(_, label)| **label == Some(cluster));
+        let of_cluster: Vec<(Vector3<f64>, u32)> = labelled.map(|(row, _)| *row).collect();
+        let (_, of_row) = *of_cluster.first()?;
         let way = *dual.ways.get(of_row as usize)?;
-        let whole = dual.way_of_row.iter().filter(|of| **of == of_row).count();
-        if rows.len() == whole && rows.iter().all(|row| dual.way_of_row[*row] == of_row) {
+        let whole = rows.iter().filter(|(_, of)| *of == of_row).count();
+        if of_cluster.len() == whole && of_cluster.iter().all(|(_, of)| *of == of_row) {
             return Some(way);
         }
-        let sum: Vector3<f64> = rows.iter().map(|row| dual.directions[*row]).sum();
+        let sum: Vector3<f64> = of_cluster.iter().map(|(towards, _)| towards).sum();
         Some(Way { direction: sum.try_normalize(0.0).unwrap_or(way.direction), ..way })
     };
     let mut ways: Vec<Way> = (0..clusters).filter_map(way).collect();
@@ -98,8 +99,7 @@ pub(crate) fn level(
 
 /// Half of the angle that the rows of a way take up, seen from above.
 fn half_width_rad(way: &Way, dual: &Dual) -> f64 {
-    let of_way = dual.way_of_row.iter().zip(&dual.directions);
-    let of_way = of_way.filter(|(of, _)| dual.ways.get(**of as usize) == Some(way)).map(|(_, towards)| towards);
+    let of_way = dual.rows().filter(|(_, of)| dual.ways.get(*of as usize) == Some(way)).map(|(towards, _)| towards);
     let off_rad = of_way.map(|towards| wrap_angle_rad(towards.y.atan2(towards.x) - way.bearing_rad()).abs());
     off_rad.fold(0.05, f64::max).min(1.2)
 }

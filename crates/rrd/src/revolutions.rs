@@ -1,7 +1,7 @@
 //! Revolutions rebuilt from a recording as ingest made them, to the last bit.
 
 use crosscut_stage::{Beam, Fan, NoteCode, Notes, Point, Revolution, Sweep};
-use nalgebra::{Complex, Isometry2, Translation2, UnitComplex};
+use nalgebra::{Complex, Isometry2, Quaternion, Translation2, Unit, UnitComplex};
 
 use crate::schema::{self, Entity};
 use crate::{Array, Latest, Numbers, ReadError, Recording, Row, Rows, Value};
@@ -27,6 +27,8 @@ pub struct Revolutions<'a> {
     sweep: Latest<'a>,
     points: Latest<'a>,
     entries: Latest<'a>,
+    cloud: Latest<'a>,
+    tilt: Latest<'a>,
     odometry: Latest<'a>,
     notes: Latest<'a>,
     truth: Latest<'a>,
@@ -50,6 +52,8 @@ impl Recording {
             sweep: latest(schema::SCAN_SWEEP),
             points: latest(schema::SCAN_POINTS),
             entries: latest(schema::SCAN_ENTRIES),
+            cloud: latest(schema::SCAN_CLOUD),
+            tilt: latest(schema::SCAN_CLOUD_TILT),
             odometry: latest(schema::SCAN_ODOMETRY),
             notes: latest(schema::SCAN_NOTES),
             truth: latest(schema::TRUTH_JSON),
@@ -83,6 +87,10 @@ impl Revolutions<'_> {
         };
         let entries = self.entries.only_at(at)?.map(Value::to_f64).unwrap_or_default();
         revolution.entries = entries.into_iter().map(|entry| entry as i32).collect();
+        revolution.cloud_m = self.cloud.only_at(at)?.map(|cloud| points(&cloud.to_f64())).unwrap_or_default();
+        if let Some(&[x, y, z, w]) = self.tilt.only_at(at)?.map(Value::to_f64).as_deref() {
+            revolution.cloud_tilt = Unit::new_unchecked(Quaternion::new(w, x, y, z));
+        }
         revolution.odometry = match self.odometry.only_at(at)?.map(Value::to_f64).as_deref() {
             Some(&[x_m, y_m, cos, sin]) => {
                 let rotation = UnitComplex::new_unchecked(Complex::new(cos, sin));

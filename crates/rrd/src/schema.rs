@@ -174,6 +174,19 @@ entities! {
         "lines along the walls within 3 cm of the returns, broken at gaps";
     SCAN_OPENINGS: "/scan/openings", TENSOR, ["opening", "bearing_rad, width_m"], "rad, m", Exact, Revolution,
         "bearing and width of each opening, drawn as arrows and bars";
+    SCAN_CLOUD: "/scan/cloud", POINTS_3D, ["point", "axis"], "m", Exact, Event,
+        "all points of a cloud that the affinity takes whole (preset `3d`), in the colours of the ways that they lie in";
+    SCAN_CLOUD_TILT: "/scan/cloud/tilt", SCALAR, ["x, y, z, w"], "", Exact, Event,
+        "the quaternion that turned a cloud of a tilted lidar level";
+    SCAN_WAYS: "/scan/ways", TENSOR, ["way", "x, y, z, clearance_m, p, cut_by_view"], "m", Exact, Event,
+        "unit vector, clearance, p of each way on, and whether the view cuts it; drawn as arrows";
+    SCAN_SPHERE: "/scan/sphere", TENSOR, ["cell", "x, y, z, range_m, reach_m, way"], "m", F32, Event,
+        "of each direction around a cloud: unit vector, the distance of what is seen, how far the vehicle gets (infinite where nothing \
+        came back, NaN where the sensor does not look), and its way or -1; drawn unrolled, with what parts ways";
+    SCAN_SPHERE_MARKS: "/scan/sphere/marks", "Points2D:positions", ["mark", "axis"], "", Drawing, Event,
+        "names of ways on `/scan/sphere`, and pink where two are parted: how far the vehicle gets there, and how far it would have to";
+    SCAN_SPHERE_AXES: "/scan/sphere/axes", LINES_2D, ["point", "axis"], "", Drawing, Once,
+        "bearings and elevations of `/scan/sphere`";
     SCAN_LINKS: "/scan/links", LINES_3D, ["point", "axis"], "m", Drawing, Revolution,
         "gaps that decide the count: pink the nearest to another count, yellow those of other changes of k";
     SCAN_NUMBERS: "/scan/numbers", POINTS_3D, ["wall", "axis"], "m", Drawing, Revolution,
@@ -281,7 +294,7 @@ entities! {
     COLORS: "/", "AnnotationContext:context", [], "", Drawing, Once, "names and colours of the walls";
     PART: "/recording/part", TENSOR, ["number, goes_on"], "", Exact, File,
         "which file of a long recording this is, from 1; at its end again with a 1 if another follows";
-    EXTENT: "/layout/extent", TENSOR, ["range_m, places, by_gaps, has_truth"], "m", Exact, Once, "what the views of the layout reach";
+    EXTENT: "/layout/extent", TENSOR, ["range_m, places, by_gaps, has_truth, ways_m"], "m", Exact, Once, "what the views of the layout reach";
 }
 
 /// Times of the steps, in their order.

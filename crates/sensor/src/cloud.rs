@@ -44,7 +44,9 @@ impl Sensor {
         let [low_m, high_m] = heights_m.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], z| [a.min(z), b.max(z)]);
         let aside = view.level(out, self.vehicle_height_m, self.vehicle_width_m);
         if self.keeps_cloud && beams.is_none() {
-            out.cloud_m.extend_from_slice(view.points_m());
+            // As exact as points are on the wire, and as recordings hold them.
+            let rounded = |x: f64| f64::from((x as f32).clamp(f32::MIN, f32::MAX));
+            out.cloud_m.extend(view.points_m().iter().map(|point_m| point_m.map(rounded)));
         }
         let seen = out.sweep.get_or_insert_default();
         let [first_rad, step_rad, ..] = &mut seen.wire_geometry;

@@ -55,7 +55,7 @@ pub use revolution::{
 pub use spectrum::Spectrum;
 pub use traits::{AffinityStage, KmeansStage, Observer, ObserverError, Source, SourceError, SpectralStage, StageError};
 pub use unsure::Unsure;
-pub use way::{Dual, Way, WayKind};
+pub use way::{Between, Cell, Dual, Way, WayKind, direction_words};
 
 pub use toml::Value;
 

@@ -77,7 +77,7 @@ impl dyn AffinityStage + '_ {
         self.weigh(revolution, out, notes)?;
         out.sum_degrees();
         let (n, what) = match &out.dual {
-            Some(dual) => (dual.directions.len(), "directions"),
+            Some(dual) => (dual.rows().count(), "directions"),
             None => (revolution.len(), "returns"),
         };
         match out.degrees.len() {

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use nalgebra::Vector3;
+use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::Evidence;
 
@@ -14,16 +14,64 @@ const RAMP_RAD: f64 = 50.0 * std::f64::consts::PI / 180.0;
 /// What an affinity gives beside W whose rows are directions and not returns.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Dual {
-    /// Of each row: its direction in the body frame, a unit vector.
-    pub directions: Vec<Vector3<f64>>,
-    /// Of each row: the way that it is of, an index of `ways`.
-    pub way_of_row: Vec<u32>,
+    /// All directions, in rings about the axis of the lidar from the lowest up, each anticlockwise from behind. Those of ways are
+    /// the rows of W.
+    pub cells: Vec<Cell>,
+    /// From the frame of the cells, in which the axis of the lidar is upright, to that of the body.
+    pub tilt: UnitQuaternion<f64>,
     /// The ways, as their rows were joined.
     pub ways: Vec<Way>,
+    /// Where ways are nearest to being one: one fewer than ways, or still fewer where the sensor does not look.
+    pub between: Vec<Between>,
     /// The lowest and the highest elevation that the sensor looks at, in [-π/2, π/2].
     pub view_rad: [f64; 2],
     /// The distance at which the directions were cut, metres.
     pub cut_m: f64,
+    /// The distance that the vehicle gets far in a way, or farther, metres.
+    pub on_m: f64,
+}
+
+impl Dual {
+    /// The directions that are rows of W, way after way, each with the way that it is of, an index of `ways`.
+    pub fn rows(&self) -> impl Iterator<Item = (Vector3<f64>, u32)> {
+        let of_way = move |way| {
+            self.cells
+                .iter()
+                .filter(move |cell| cell.way == Some(way))
+                .map(move |cell| (self.tilt * cell.direction, way))
+        };
+        (0..self.ways.len() as u32).flat_map(of_way)
+    }
+
+    /// Of each of `ways`, its number among the reported ones; `None` of one that is reported otherwise.
+    pub fn numbers_in(&self, reported: &[Way]) -> Vec<Option<u32>> {
+        self.ways.iter().map(|way| (0..).zip(reported).find(|(_, of)| *of == way).map(|(number, _)| number)).collect()
+    }
+}
+
+/// A direction, and what is known there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cell {
+    /// Towards its middle, in the frame of the cells; a unit vector.
+    pub direction: Vector3<f64>,
+    /// The distance of what is seen there, metres: infinite where nothing came back, NaN where the sensor does not look.
+    pub range_m: f64,
+    /// How far the vehicle gets straight on, metres; as above.
+    pub reach_m: f64,
+    /// The way that it is of, an index of [`Dual::ways`].
+    pub way: Option<u32>,
+}
+
+/// What parts two ways: of the directions that lead from one to the other, that in which the vehicle gets least far, on the path
+/// on which that is the most.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Between {
+    /// The two ways, indices of [`Dual::ways`].
+    pub ways: [u32; 2],
+    /// The direction, in the body frame; a unit vector.
+    pub direction: Vector3<f64>,
+    /// How far the vehicle gets there, metres; less than [`Dual::cut_m`].
+    pub reach_m: f64,
 }
 
 /// A way on.
@@ -39,6 +87,8 @@ pub struct Way {
     pub evidence: Evidence,
     /// It goes on beyond what the sensor looks at: direction and clearance are those of the part in view.
     pub cut_by_view: bool,
+    /// It takes up half a turn, as in a place that is wide for its height: it may be several ways.
+    pub is_wide: bool,
 }
 
 /// Where a way leads.
@@ -78,17 +128,22 @@ impl Way {
     /// "shaft up at +51°, 78° up: 2.6 m": where it leads, its bearing and elevation, and its clearance.
     pub fn words(&self) -> String {
         let kind = self.kind().to_string().replace('_', " ");
-        // The sum with 0 leaves no -0.
-        let [bearing_deg, elevation_deg] =
-            [self.bearing_rad(), self.elevation_rad()].map(|rad| rad.to_degrees().round() + 0.0);
-        let side = if elevation_deg < 0.0 { "down" } else { "up" };
-        format!("{kind} at {bearing_deg:+.0}°, {:.0}° {side}: {:.1} m", elevation_deg.abs(), self.clearance_m)
+        format!("{kind} at {}: {:.1} m", direction_words(&self.direction), self.clearance_m)
     }
 
     /// Whether a vehicle on the ground can take it: shafts are for flyers.
     pub fn is_for_ground(&self) -> bool {
         !matches!(self.kind(), WayKind::ShaftUp | WayKind::ShaftDown)
     }
+}
+
+/// "+51°, 78° up": bearing and elevation of a unit vector.
+pub fn direction_words(direction: &Vector3<f64>) -> String {
+    // The sum with 0 leaves no -0.
+    let [bearing_deg, elevation_deg] =
+        [direction.y.atan2(direction.x), direction.z.clamp(-1.0, 1.0).asin()].map(|rad| rad.to_degrees().round() + 0.0);
+    let side = if elevation_deg < 0.0 { "down" } else { "up" };
+    format!("{bearing_deg:+.0}°, {:.0}° {side}", elevation_deg.abs())
 }
 
 impl fmt::Display for WayKind {

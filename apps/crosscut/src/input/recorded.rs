@@ -8,6 +8,7 @@ use anyhow::Context;
 use crosscut_detector::{Config, Layer, Registry};
 use crosscut_evaluate::settings_of_step;
 use crosscut_messages::{Truth, TruthError};
+use crosscut_rrd::schema::{Entity, SCAN_CLOUD, SCAN_ENTRIES, TRUTH_JSON};
 use crosscut_rrd::{ReadError, RecordedScan, Recording};
 use crosscut_stage::{Notes, Revolution, SourceError, Step};
 
@@ -47,8 +48,16 @@ impl Recorded {
             let why = format!("{} does not hold all of its scans: record it again: {error}", path.display());
             return Err(lacking(&recording, why));
         }
+        let holds = |entity: Entity| recording.entities().contains_key(entity.path);
+        if config.takes_cloud() && holds(SCAN_ENTRIES) && !holds(SCAN_CLOUD) {
+            let path = path.display();
+            let text = format!(
+                "{path} holds of its clouds what a level vehicle sees; their ways on need the file that was flown"
+            );
+            return Err(UsageError(text).into());
+        }
         let losses = recording.damages().iter().map(ToString::to_string).collect();
-        let has_truth = recording.entities().contains_key(crosscut_rrd::schema::TRUTH_JSON.path);
+        let has_truth = holds(TRUTH_JSON);
         let (give, scans) = sync_channel(WAITING);
         let read = move || {
             let Ok(revolutions) = recording.revolutions() else { return };

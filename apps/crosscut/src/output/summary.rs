@@ -2,7 +2,7 @@
 
 use crosscut_evaluate::tables::Table;
 use crosscut_pipeline::{Answers, NoteCount, Summary};
-use crosscut_stage::{KnownGaps, Step, counted};
+use crosscut_stage::{KnownGaps, Step, Way, counted};
 
 use crate::fly::Flown;
 use crate::output::typeset;
@@ -25,6 +25,7 @@ pub(crate) fn tables(summary: &Summary, is_live: bool) -> String {
         return String::new();
     }
     let mut text = typeset::plain(&counts(summary));
+    text.extend(ways(summary).map(|ways| format!("\n\n{}", typeset::plain(&ways))));
     text.extend(gaps(summary.gaps).map(|line| format!("\n\n{line}")));
     text += &format!("\n\n{}\n", typeset::plain(&times(summary, is_live)));
     if summary.noted > 0 {
@@ -50,18 +51,33 @@ fn gaps(gaps: KnownGaps) -> Option<String> {
         })
 }
 
-/// Revolutions by their number of walls.
+/// Revolutions by their number of walls, or of ways on.
 pub(crate) fn counts(summary: &Summary) -> Table {
     let share = |part: u64, whole: u64| format!("{:.1} %", 100.0 * part as f64 / whole as f64);
-    let row = |(junctions, answers): (&usize, &Answers)| {
+    let row = |(count, answers): (&usize, &Answers)| {
         vec![
-            junctions.to_string(),
+            count.to_string(),
             answers.revolutions.to_string(),
             share(answers.revolutions, summary.revolutions),
             if answers.rated == 0 { "-".to_owned() } else { share(answers.sure, answers.revolutions) },
         ]
     };
-    table(&["walls", "revolutions", "share", "confidence 0.9 or more"], summary.junctions.iter().map(row).collect())
+    let what = if summary.ways.is_some() { "ways on" } else { "walls" };
+    table(&[what, "revolutions", "share", "confidence 0.9 or more"], summary.counts.iter().map(row).collect())
+}
+
+/// The ways on of the last revolution, where these are counted and there are any.
+pub(crate) fn ways(summary: &Summary) -> Option<Table> {
+    let row = |(number, way): (usize, &Way)| {
+        let [bearing, elevation] =
+            [way.bearing_rad(), way.elevation_rad()].map(|rad| format!("{:+.0}°", rad.to_degrees()));
+        let (kind, cut) = (way.kind().to_string().replace('_', " "), if way.cut_by_view { "yes" } else { "no" });
+        let (clearance, p) = (format!("{:.1} m", way.clearance_m), format!("{:.2}", way.p));
+        vec![number.to_string(), kind, bearing, elevation, clearance, p, cut.to_owned()]
+    };
+    let ways = summary.ways.as_ref().filter(|ways| !ways.is_empty())?;
+    let header = ["way on (last scan)", "kind", "bearing", "elevation", "clearance", "p", "cut by view"];
+    Some(table(&header, ways.iter().enumerate().map(row).collect()))
 }
 
 /// The `most` most frequent kinds of notes, each with its first instance.

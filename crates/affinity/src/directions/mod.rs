@@ -30,7 +30,7 @@ mod ways;
 pub use ways::Found;
 
 use crosscut_scan::VEHICLE_WIDTH_M;
-use crosscut_stage::{Affinity, AffinityStage, Beam, Dual, Kind, Notes, Point, Revolution, StageError};
+use crosscut_stage::{Affinity, AffinityStage, Beam, Between, Cell, Dual, Kind, Notes, Point, Revolution, StageError};
 
 use nalgebra::{UnitQuaternion, Vector3};
 use sight::{Seen, Sight};
@@ -152,6 +152,12 @@ impl Sky {
         if self.is_level() { direction } else { self.tilt * direction }
     }
 
+    /// What parts the ways.
+    fn between(&self, ways: &[Found]) -> Vec<Between> {
+        let found = ways::between(&self.sphere, &self.reach_m, ways).into_iter();
+        found.map(|of| Between { direction: self.leveled(of.direction), ..of }).collect()
+    }
+
     /// The lowest and the highest elevation at which something is known, radians; 0 of nothing.
     fn view_rad(&self) -> [f64; 2] {
         if self.is_level() {
@@ -160,6 +166,21 @@ impl Sky {
         let known = self.sphere.directions.iter().zip(&self.sight.seen).filter(|(_, seen)| **seen != Seen::Unknown);
         let elevations_rad = known.map(|(direction, _)| [(self.tilt * direction).z.clamp(-1.0, 1.0).asin(); 2]);
         elevations_rad.reduce(|[low, high], [at, _]| [low.min(at), high.max(at)]).unwrap_or_default()
+    }
+
+    /// All cells; of each its row, and of each row its cell and way.
+    fn cells(&self, row_of: &[Option<u32>], rows: &[(u32, u32)]) -> Vec<Cell> {
+        let cell = |cell: usize| {
+            let known_m = |m: f64| if self.sight.seen[cell] == Seen::Unknown { f64::NAN } else { m };
+            let range_m = if let Seen::Return(at_m) = self.sight.seen[cell] { at_m.norm() } else { f64::INFINITY };
+            Cell {
+                direction: self.sphere.directions[cell].into_inner(),
+                range_m: known_m(range_m),
+                reach_m: known_m(self.reach_m[cell]),
+                way: row_of[cell].map(|row| rows[row as usize].1),
+            }
+        };
+        (0..self.sphere.len()).map(cell).collect()
     }
 }
 
@@ -173,9 +194,8 @@ impl AffinityStage for Directions {
         }
         let ways = sky.ways();
         let mut row_of = vec![None; sky.sphere.len()];
-        let mut cells: Vec<(u32, u32)> =
+        let cells: Vec<(u32, u32)> =
             (0..).zip(&ways).flat_map(|(of, way)| way.cells.iter().map(move |cell| (*cell, of))).collect();
-        cells.sort_unstable();
         (0..).zip(&cells).for_each(|(row, (cell, _))| row_of[*cell as usize] = Some(row));
         let sigma = SIGMA / (sky.sphere.step_rad() * sky.sphere.step_rad());
         let w = out.weights.make_sparse();
@@ -195,15 +215,15 @@ impl AffinityStage for Directions {
             row.iter().for_each(|(row, weight)| w.push(*row, *weight));
             w.end_row();
         }
+        let room_m = if sky.room_m.is_finite() { sky.room_m } else { 0.0 };
         out.dual = Some(Dual {
-            directions: cells
-                .iter()
-                .map(|(cell, _)| sky.leveled(sky.sphere.directions[*cell as usize].into_inner()))
-                .collect(),
-            way_of_row: cells.iter().map(|(_, of)| *of).collect(),
+            cells: sky.cells(&row_of, &cells),
+            tilt: sky.tilt,
+            between: sky.between(&ways),
             ways: ways.iter().map(|found| found.way).collect(),
             view_rad: sky.view_rad(),
-            cut_m: if sky.room_m.is_finite() { ways::APART * sky.room_m } else { 0.0 },
+            cut_m: ways::APART * room_m,
+            on_m: ways::ON * room_m,
         });
         Ok(())
     }

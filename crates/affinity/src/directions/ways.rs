@@ -1,6 +1,6 @@
 //! Ways on: the components of the directions in which the vehicle gets as far as they stay apart.
 
-use crosscut_stage::{DisjointSets, Evidence, Way};
+use crosscut_stage::{Between, DisjointSets, Evidence, Way};
 use nalgebra::Vector3;
 
 use super::reach::clear_m;
@@ -10,7 +10,7 @@ use super::sphere::Sphere;
 /// Ways are components of the directions in which the vehicle gets as far, in multiples of the room at the sensor.
 pub(super) const APART: f64 = 2.25;
 /// And it gets as far in one of them.
-const ON: f64 = 2.475;
+pub(super) const ON: f64 = 2.475;
 /// A single cell is not enough.
 const LEAST_CELLS: usize = 2;
 /// Whether a way stays by itself is asked at these distances.
@@ -135,5 +135,34 @@ fn known_of(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64, cells:
         p: if is_wide { WIDE_ODDS } else { right_share },
         evidence: if 2 * nothing > cells().count() { Evidence::NoReturn } else { Evidence::SeenThrough },
         cut_by_view: is_cut,
+        is_wide,
     }
+}
+
+/// Where the ways would be one if they were cut at less: cells are let in from the farthest reach down, and each that joins two
+/// ways parts them.
+pub(super) fn between(sphere: &Sphere, reach_m: &[f64], ways: &[Found]) -> Vec<Between> {
+    let mut way_of: Vec<Option<u32>> = vec![None; sphere.len()];
+    for (number, found) in (0..).zip(ways) {
+        found.cells.iter().for_each(|cell| way_of[*cell as usize] = Some(number));
+    }
+    let mut inwards: Vec<usize> = (0..sphere.len()).filter(|cell| reach_m[*cell] >= 0.0).collect();
+    inwards.sort_unstable_by(|a, b| reach_m[*b].total_cmp(&reach_m[*a]).then(a.cmp(b)));
+    let mut joined = DisjointSets::default();
+    joined.reset(ways.len());
+    let (mut is_in, mut found) = (vec![false; sphere.len()], Vec::new());
+    for cell in inwards {
+        is_in[cell] = true;
+        for other in sphere.neighbours[cell].iter().map(|other| *other as usize).filter(|other| is_in[*other]) {
+            way_of[cell] = way_of[cell].or(way_of[other]);
+            if let (Some(a), Some(b)) = (way_of[cell], way_of[other])
+                && joined.root(a as usize) != joined.root(b as usize)
+            {
+                joined.join(a as usize, b as usize);
+                let direction = sphere.directions[cell].into_inner();
+                found.push(Between { ways: [a.min(b), a.max(b)], direction, reach_m: reach_m[cell] });
+            }
+        }
+    }
+    found
 }

@@ -5,7 +5,7 @@ mod scan;
 mod spectrum;
 mod strip;
 
-use crosscut_explain::{Explanation, inequality};
+use crosscut_explain::{Explanation, inequality, ways};
 use crosscut_flight::{FlightAnswer, Here};
 use crosscut_stage::{Frame, Verdict};
 
@@ -154,7 +154,8 @@ fn openings(frame: &Frame) -> String {
         let (evidence, known) = (evidence.replace('_', " "), opening.known);
         format!("{at}: {width_m:.2} m wide, between walls {a} and {b}{odds} ({known}; {evidence})")
     };
-    let lines: Vec<String> = frame.junction.openings.iter().map(line).collect();
+    let mut lines: Vec<String> = frame.junction.openings.iter().map(line).collect();
+    lines.extend(ways(frame, &|_| "").into_iter().map(|line| line.replace("**", "")));
     if lines.is_empty() { "no opening".to_owned() } else { lines.join("\n") }
 }
 

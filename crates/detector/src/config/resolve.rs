@@ -115,6 +115,11 @@ impl Config {
         &self.section(section).params
     }
 
+    /// Whether the affinity takes the whole cloud, which the [sensor](Self::sensor) keeps then.
+    pub fn takes_cloud(&self) -> bool {
+        self.takes_cloud
+    }
+
     /// The sensor, on its vehicle.
     pub fn sensor(&self) -> Sensor {
         Sensor::new(self.params("ingest"), self.params("vehicle")).keeping_cloud(self.takes_cloud)

@@ -3,7 +3,7 @@
 use crosscut_detector::{Detector, Preset, Settings};
 use crosscut_messages::Cloud;
 use crosscut_simulator::{Split, suites};
-use crosscut_stage::{Junction, WayKind};
+use crosscut_stage::{Frame, Junction, WayKind};
 use nalgebra::{UnitQuaternion, Vector3};
 
 fn detector(preset: Preset) -> Detector {
@@ -35,14 +35,14 @@ fn seen_tilted(view_deg: [f64; 2], tilt: &UnitQuaternion<f64>) -> Cloud {
     Cloud { points_m: (0..128 * 512).map(point).collect(), ..Cloud::default() }
 }
 
-fn answer(preset: Preset, cloud: &Cloud) -> Junction {
+fn answer(preset: Preset, cloud: &Cloud) -> Frame {
     let mut detector = detector(preset);
     let frame = detector
         .detect_with(|sensor, frame| sensor.cloud(cloud, &mut frame.revolution, &mut frame.notes))
         .expect("a cloud");
     assert_eq!(frame.affinity.dual.is_some(), preset == Preset::ThreeD);
     assert_eq!(frame.revolution.cloud_m.is_empty(), preset != Preset::ThreeD, "a cloud is kept where it is wanted");
-    frame.junction.clone()
+    frame.clone()
 }
 
 fn kinds(junction: &Junction) -> Vec<WayKind> {
@@ -52,8 +52,9 @@ fn kinds(junction: &Junction) -> Vec<WayKind> {
 #[test]
 fn a_raise_above_a_gallery_is_a_way_and_the_gallery_has_two_openings_and_two_walls() {
     let cloud = under_a_raise([-90.0, 90.0]);
-    let found = answer(Preset::ThreeD, &cloud);
-    let mut of_kinds = kinds(&found);
+    let frame = answer(Preset::ThreeD, &cloud);
+    let found = &frame.junction;
+    let mut of_kinds = kinds(found);
     of_kinds.sort_by_key(ToString::to_string);
     assert_eq!(of_kinds, [WayKind::Level, WayKind::Level, WayKind::ShaftUp], "{:#?}", found.ways);
     let ways = found.ways.as_ref().expect("ways");
@@ -62,7 +63,13 @@ fn a_raise_above_a_gallery_is_a_way_and_the_gallery_has_two_openings_and_two_wal
     assert_eq!((found.openings.len(), found.junctions), (2, 2), "{:#?}", found.openings);
     let bearings_rad = found.openings.iter().map(|opening| opening.bearing_rad.abs());
     assert!(bearings_rad.clone().all(|rad| rad.min((rad - std::f64::consts::PI).abs()) < 0.15), "{:?}", found.openings);
-    let level = answer(Preset::Default, &cloud);
+    let dual = frame.affinity.dual.as_ref().expect("directions");
+    assert_eq!(dual.between.len(), 2, "{:?}", dual.between);
+    for between in &dual.between {
+        let off_rad = between.ways.map(|way| dual.ways[way as usize].direction.angle(&between.direction));
+        assert!(off_rad.iter().all(|rad| *rad < 2.0) && between.reach_m < dual.cut_m, "{between:?} is off {off_rad:?}");
+    }
+    let level = answer(Preset::Default, &cloud).junction;
     assert_eq!((level.ways, level.junctions), (None, 2));
 }
 

@@ -1,7 +1,7 @@
 //! Agreement of two answers.
 
 use crosscut_evaluate::{Agreement, Differences, Proportion, Score, Stretch};
-use crosscut_report::{OpeningLine, ResultsLine};
+use crosscut_report::{OpeningLine, ResultsLine, WayLine};
 
 use crate::scans::{answer, truth};
 
@@ -59,6 +59,31 @@ fn openings_are_missing_or_added_relative_to_the_first_answer() {
 }
 
 #[test]
+fn ways_are_missing_or_added_and_differ_where_one_has_no_partner_within_20_degrees() {
+    let with = |elevations_deg: &[f64]| {
+        let way = |deg: &f64| WayLine {
+            direction: [deg.to_radians().cos(), 0.0, deg.to_radians().sin()],
+            bearing_rad: 0.0,
+            elevation_rad: deg.to_radians(),
+            clearance_m: 2.0,
+            kind: String::new(),
+            p: 0.9,
+            evidence: String::new(),
+            cut_by_view: false,
+        };
+        ResultsLine { ways: Some(elevations_deg.iter().map(way).collect()), ..answer(&[0, 0], &[]) }
+    };
+    let agreement = |a: &[f64], b: &[f64]| Agreement::of(&with(a), &with(b)).expect("equally many labels");
+    assert!(agreement(&[0.0, 90.0], &[71.0, 19.0]).is_same() && agreement(&[], &[]).is_same());
+    assert!(!agreement(&[0.0], &[21.0]).is_same() && !agreement(&[0.0], &[0.0, 5.0]).is_same());
+    let mut differences = Differences::default();
+    differences.add(&agreement(&[0.0, 90.0, 180.0], &[10.0, 50.0]));
+    let [lacking, more] = [differences.ways_lacking, differences.ways_more];
+    assert_eq!([lacking, more], [Proportion { hits: 2, of: 3 }, Proportion { hits: 1, of: 2 }]);
+    assert_eq!(differences.stretches[0].ways, Some([3, 2]));
+}
+
+#[test]
 fn a_stretch_ends_where_the_answers_or_counts_change() {
     let (one, two, three) = ([0, 0, 0, 0], [0, 0, 1, 1], [0, 1, 2, 2]);
     let other_two = [0, 1, 1, 1];
@@ -73,6 +98,7 @@ fn a_stretch_ends_where_the_answers_or_counts_change() {
         stamp_ns: [100 * from, 100 * to],
         revolutions: to - from + 1,
         junctions,
+        ways: None,
         confidence: [answer(&one, &[]).confidence; 2],
     };
     let expected = [stretch(1, 2, [1, 2]), stretch(3, 3, [1, 3]), stretch(5, 5, [1, 3]), stretch(6, 6, [2, 2])];

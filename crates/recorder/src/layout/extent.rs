@@ -18,11 +18,14 @@ pub(crate) struct Extent {
     pub(crate) by_gaps: bool,
     /// The flight has its truth.
     pub(crate) has_truth: bool,
+    /// The distance at which directions around a cloud are cut, metres: cloud and sphere take the places of returns and ranges. 0
+    /// where no ways on of clouds are counted.
+    pub(crate) ways_m: f64,
 }
 
 impl Default for Extent {
     fn default() -> Self {
-        Self { range_m: 15.0, places: 360, by_gaps: false, has_truth: false }
+        Self { range_m: 15.0, places: 360, by_gaps: false, has_truth: false, ways_m: 0.0 }
     }
 }
 
@@ -37,27 +40,44 @@ impl Extent {
         let farthest_m = ranges_m.filter(|range_m| *range_m <= FARTHEST_RETURN_M).fold(0.0, f64::max);
         let seen_m = if farthest_m > 0.0 { 2.0 * farthest_m } else { default.range_m };
         let limit_m = revolution.beams().map(|sweep| sweep.range_max_m).filter(|limit| *limit > 0.0);
-        let places = BeamOrder::of(revolution).used;
+        let places = BeamOrder::of(frame).used;
         Self {
             range_m: limit_m.unwrap_or(f64::INFINITY).min(seen_m),
             places: if places > 0 { places } else { default.places },
             by_gaps: !frame.affinity.verdicts.is_empty(),
             has_truth: default.has_truth,
+            ways_m: frame
+                .affinity
+                .dual
+                .as_ref()
+                .filter(|_| !revolution.cloud_m.is_empty())
+                .map_or(0.0, |dual| dual.cut_m),
         }
+    }
+
+    /// What changes the layout.
+    pub(crate) fn asks(self) -> (usize, [bool; 2]) {
+        (self.places, [self.by_gaps, self.has_ways()])
+    }
+
+    /// Whether ways on of clouds are counted.
+    pub(crate) fn has_ways(self) -> bool {
+        self.ways_m > 0.0
     }
 
     /// Records the extent, so that the recording can be laid out again.
     pub(crate) fn log(self, rec: &RecordingStream) -> RecordingStreamResult<()> {
         let [by_gaps, has_truth] = [self.by_gaps, self.has_truth].map(|is_so| f64::from(u8::from(is_so)));
-        let values = vec![self.range_m, self.places as f64, by_gaps, has_truth];
+        let values = vec![self.range_m, self.places as f64, by_gaps, has_truth, self.ways_m];
         rec.log_static(EXTENT.path, &Tensor::new(f64_vector(values, EXTENT.dims)))
     }
 
     /// The extent that was recorded as these values.
     pub(crate) fn of_values(values: &[f64]) -> Option<Self> {
         let [range_m, places, ..] = values else { return None };
+        let ways_m = values.get(4).copied().unwrap_or(0.0);
         let [by_gaps, has_truth] = [2, 3].map(|at| values.get(at).is_some_and(|value| *value > 0.0));
-        Some(Self { range_m: *range_m, places: *places as usize, by_gaps, has_truth })
+        Some(Self { range_m: *range_m, places: *places as usize, by_gaps, has_truth, ways_m })
     }
 }
 

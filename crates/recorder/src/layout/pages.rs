@@ -6,11 +6,15 @@ use super::views::Views;
 use crate::schema::{ABOUT, AFFINITY_W, FLIGHT_SUMMARY, SPECTRAL_L, TIMING_SUMMARY};
 use crate::why::UNSURE;
 
+/// The title of a cloud in space.
+const CLOUD: &str = "Cloud and ways on: drag to turn";
+
 /// A flight: the scan at the chosen revolution, and the counts over all revolutions.
 pub(super) fn overview(views: &mut Views) -> ContainerLike {
     let words =
         Tabs::new([views.why("Why this count?"), views.answer(), views.config(), views.document("About", ABOUT)]);
-    let here = Vertical::new([views.scan("Here: x up, y left"), words.into()]).with_row_shares([1.15, 1.0]);
+    let scan = if views.has_ways() { views.cloud(CLOUD) } else { views.scan("Here: x up, y left") };
+    let here = Vertical::new([scan, words.into()]).with_row_shares([1.15, 1.0]);
     let sure = Tabs::new([views.confidence(), views.margin()]);
     let counts = Tabs::new([views.walls(), views.zeros()]);
     let flight = Vertical::new([counts.into(), views.places(), sure.into(), looks(views).into()]);
@@ -44,7 +48,8 @@ pub(super) fn steps(views: &mut Views) -> [ContainerLike; 7] {
         Tabs::new([views.picture("2 W, upper half", AFFINITY_W), views.picture("3 L, upper half", SPECTRAL_L)]);
     let [eigenvalues, gaps] = [views.chart("4 Eigenvalues of L"), views.gaps("Room at gaps")];
     let deciding = if views.by_gaps() { [gaps, eigenvalues] } else { [eigenvalues, gaps] };
-    let u = Tabs::new([views.eigenvectors("5 U by beam"), views.embedding(), views.embedding_plane()]);
+    let by = if views.has_ways() { "5 U by direction" } else { "5 U by beam" };
+    let u = Tabs::new([views.eigenvectors(by), views.embedding(), views.embedding_plane()]);
     let words = Tabs::new([
         views.why("8 Why?"),
         views.answer(),
@@ -52,12 +57,19 @@ pub(super) fn steps(views: &mut Views) -> [ContainerLike; 7] {
         views.config(),
         views.document("About", ABOUT),
     ]);
+    let [returns, labels] = match views.has_ways() {
+        true => [
+            views.cloud(&format!("1 {CLOUD}")),
+            views.sphere("6 Sphere unrolled: bright is far, striped is not in view"),
+        ],
+        false => [views.returns("1 Returns"), views.labels("6 Walls and ranges by beam")],
+    };
     [
-        views.returns("1 Returns"),
+        returns,
         matrices.into(),
         Tabs::new(deciding).into(),
         u.into(),
-        views.labels("6 Walls and ranges by beam"),
+        labels,
         views.scan("7 Walls and openings"),
         words.into(),
     ]

@@ -24,9 +24,10 @@ use crate::schema::{
     FLIGHT_GRAPH, FLIGHT_HERE, FLIGHT_NODES, FLIGHT_PASSAGES, FLIGHT_PATH, FLIGHT_POSE, FLIGHT_SCALE, FLIGHT_UNSURE,
     FLIGHT_WALLS, FLIGHT_WALLS_NEW, KMEANS_BLOCKS, KMEANS_CENTROIDS, KMEANS_LABELS, KMEANS_PROFILE,
     KMEANS_PROFILE_AXES, KMEANS_PROFILE_NAMES, LOG, REPORT_AXIS, REPORT_CONFIDENCE, REPORT_DOUBT, REPORT_JUNCTIONS,
-    REPORT_PLACE, REPORT_SUMMARY, REPORT_WHY, SCAN_COUNT, SCAN_LINKS, SCAN_NUMBERS, SCAN_OPENINGS, SCAN_RETURNS,
-    SCAN_RINGS, SCAN_SENSOR, SCAN_WALLS, SPECTRAL_AXES, SPECTRAL_CHART, SPECTRAL_CHART_AXIS, SPECTRAL_EMBEDDING,
-    SPECTRAL_K, SPECTRAL_MARGIN, SPECTRAL_U_BARS, SPECTRAL_U_PICTURE, TIMING, TIMING_FLIGHT, TIMING_TOTAL, TRUTH_WALLS,
+    REPORT_PLACE, REPORT_SUMMARY, REPORT_WHY, SCAN_CLOUD, SCAN_COUNT, SCAN_LINKS, SCAN_NUMBERS, SCAN_OPENINGS,
+    SCAN_RETURNS, SCAN_RINGS, SCAN_SENSOR, SCAN_SPHERE, SCAN_SPHERE_AXES, SCAN_SPHERE_MARKS, SCAN_WALLS, SCAN_WAYS,
+    SPECTRAL_AXES, SPECTRAL_CHART, SPECTRAL_CHART_AXIS, SPECTRAL_EMBEDDING, SPECTRAL_K, SPECTRAL_MARGIN,
+    SPECTRAL_U_BARS, SPECTRAL_U_PICTURE, TIMING, TIMING_FLIGHT, TIMING_TOTAL, TRUTH_WALLS,
 };
 use crate::spectrum::chart_bounds;
 use crate::why::UNSURE;
@@ -89,6 +90,24 @@ impl Views {
     /// Returns, walls and openings.
     pub(super) fn scan(&mut self, name: &str) -> ContainerLike {
         self.above(name, [SCAN_RETURNS, SCAN_WALLS, SCAN_NUMBERS, SCAN_OPENINGS, SCAN_RINGS, SCAN_SENSOR])
+    }
+
+    /// Whether ways on of clouds are counted.
+    pub(super) fn has_ways(&self) -> bool {
+        self.extent.has_ways()
+    }
+
+    /// A cloud in space with its ways on, seen from behind and above.
+    pub(super) fn cloud(&mut self, name: &str) -> ContainerLike {
+        let contents = self.entities([SCAN_CLOUD, SCAN_WAYS, SCAN_SENSOR]);
+        let view = Spatial3DView::new(self.titled(name)).with_origin(self.origin()).with_contents(contents);
+        let cut = self.extent.ways_m as f32;
+        self.seen_from(view, [-2.5 * cut, 1.0 * cut, 2.5 * cut], [0.0, 0.0, 1.0])
+    }
+
+    /// The sphere of directions around a cloud, unrolled.
+    pub(super) fn sphere(&mut self, name: &str) -> ContainerLike {
+        self.flat(name, [SCAN_SPHERE, SCAN_SPHERE_MARKS, SCAN_SPHERE_AXES], [-30.0, -8.0, 372.0, 200.0])
     }
 
     /// Walls and openings in space, with all entities below `root` except pictures; seen from behind and above.

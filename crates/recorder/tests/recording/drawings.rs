@@ -2,10 +2,10 @@
 
 use crosscut_explain::Explanation;
 use crosscut_rrd::{Numbers, Value};
-use crosscut_stage::{Beam, Frame};
+use crosscut_stage::{Beam, Frame, Point};
 use faer::Mat;
 
-use crate::every_entity::sweep;
+use crate::every_entity::{dual, row_at, sweep};
 
 /// What the charts span.
 const REACH_M: f64 = 15.0;
@@ -38,6 +38,46 @@ pub(crate) fn comparison(entity: &str, component: &str) -> Option<fn(&Value, &Fr
             classes.dedup();
             classes.into_iter().eq(frame.junction.walls.iter().map(|wall| i64::from(wall.id)))
         },
+        ("/scan/cloud", "Points3D:positions") => {
+            |value, frame| points(value) == frame.revolution.cloud_m.iter().map(drawn).collect::<Vec<_>>()
+        }
+        // A point of the cloud lies in the direction of a return, whose wall is a way.
+        ("/scan/cloud", "Points3D:class_ids") => |value, frame| {
+            wholes(value).into_iter().eq(frame.junction.wall_of_return.iter().flatten().map(|way| i64::from(*way)))
+        },
+        ("/scan/ways", "Arrows3D:vectors" | "Points3D:positions") => |value, frame| {
+            let tips = frame.junction.ways.iter().flatten().map(|way| (1.5 * dual(frame).cut_m * way.direction).into());
+            points(value) == tips.map(|tip: Point| drawn(&tip)).collect::<Vec<_>>()
+        },
+        ("/scan/ways", "Arrows3D:class_ids" | "Points3D:class_ids") => {
+            |value, frame| wholes(value).into_iter().eq(0..frame.junction.ways.as_ref().map_or(0, Vec::len) as i64)
+        }
+        ("/scan/ways", "Points3D:labels") => |value, frame| {
+            texts(value)
+                .iter()
+                .zip(frame.junction.ways.iter().flatten())
+                .all(|(label, way)| label.ends_with(&format!(": shaft up, {:.1} m", way.clearance_m)))
+        },
+        ("/scan/sphere", "EncodedDepthImage:blob") => {
+            |value, _| matches!(value, Value::Numbers(array) if array.shape == [180, 360])
+        }
+        // The only ring of cells here lies over all elevations.
+        ("/scan/sphere", "LineStrips2D:strips") => |value, frame| {
+            let degrees: f64 = lines(value).iter().map(|bar| bar[0][0] - bar[1][0]).sum();
+            let cells = dual(frame).cells.len() as f64;
+            (degrees - 360.0 * frame.revolution.len() as f64 / cells).abs() < 1e-3
+        },
+        ("/scan/sphere", "LineStrips2D:class_ids") => {
+            |value, frame| wholes(value).iter().all(|class| *class < dual(frame).ways.len() as i64)
+        }
+        ("/scan/sphere/marks", "Points2D:positions") => |value, frame| {
+            let (points, between) = (points(value), &dual(frame).between);
+            points.len() == dual(frame).ways.len() + between.len() && points.last() == Some(&vec![90.0, 90.0])
+        },
+        ("/scan/sphere/marks", "Points2D:labels") => {
+            |value, _| texts(value).last().is_some_and(|label| label == "parted: 3.5 m, not 4.0 m")
+        }
+        ("/scan/sphere/marks", "Points2D:colors") => |value, frame| wholes(value).len() == dual(frame).ways.len() + 1,
         ("/scan/openings", "Arrows3D:origins") => |value, frame| points(value).len() == frame.junction.openings.len(),
         ("/scan/openings", "Arrows3D:vectors") => |value, frame| {
             let across = |(vector, o): (&Vec<f64>, &crosscut_stage::Opening)| {
@@ -137,8 +177,8 @@ pub(crate) fn comparison(entity: &str, component: &str) -> Option<fn(&Value, &Fr
         }
         ("/kmeans/labels", "LineStrips2D:strips") => |value, frame| {
             let bars: Vec<_> = lines(value).into_iter().step_by(2).map(|bar| bar[0][0]..bar[1][0]).collect();
-            let returns = sweep(frame).beams.iter().enumerate().filter(|(_, beam)| matches!(beam, Beam::Return(_)));
-            returns.into_iter().all(|(place, _)| bars.iter().any(|bar| bar.contains(&(place as f64))))
+            let mut places = (0..1024).filter(|place| row_at(frame, *place).is_some());
+            places.all(|place| bars.iter().any(|bar| bar.contains(&(place as f64))))
         },
         ("/kmeans/labels", "LineStrips2D:class_ids") => {
             |value, frame| wholes(value).iter().all(|class| *class < frame.partition.clusters as i64)
@@ -225,12 +265,8 @@ fn is_drawn(value: &Value, rows: &Mat<f64>, frame: &Frame) -> bool {
 
 /// The walls of the returns at these places along the beams.
 fn walls_between(frame: &Frame, from: f64, to: f64) -> std::collections::BTreeSet<u32> {
-    let beams = &sweep(frame).beams[from as usize..to as usize];
-    let wall_of = |beam: &Beam| match beam {
-        Beam::Return(i) => frame.junction.wall_of_return[*i as usize],
-        _ => None,
-    };
-    beams.iter().filter_map(wall_of).collect()
+    let rows = (from as usize..to as usize).filter_map(|place| row_at(frame, place));
+    rows.filter_map(|row| frame.junction.wall_of_return[row]).collect()
 }
 
 /// Whether a line of the profile is a bar above it, or passes ranges of the scan.

@@ -8,7 +8,7 @@ use crosscut_recorder::RecorderOptions;
 use crosscut_recorder::schema::{ENTITIES, Entity, When};
 use crosscut_rrd::{Array, Numbers, Recording, Value};
 use crosscut_stage::NoteCode::N101;
-use crosscut_stage::{Beam, Frame, Step, Verdict};
+use crosscut_stage::{Beam, Cell, Frame, Step, Verdict, Way};
 use rerun::external::arrow::datatypes::{ArrowPrimitiveType, Float16Type};
 
 use crate::reading::{self, record_with};
@@ -27,7 +27,8 @@ const COLOURS: [&str; 3] = ["blue", "orange", "green"];
 const TRUTH: usize = 3;
 const TRUTH_JSON: &str = r#"{"walls":3}"#;
 
-/// A flight with everything that can be recorded: an answer that is unsure, an empty revolution, notes, a sparse W.
+/// A flight with everything that can be recorded: an answer that is unsure, an empty revolution, notes, a sparse W, a cloud with
+/// ways on.
 fn flight() -> Vec<Frame> {
     let mut frames: Vec<Frame> = (0..6).map(frames::frame).collect();
     frames[1].junction.confidence = Some(0.2);
@@ -47,6 +48,7 @@ fn flight() -> Vec<Frame> {
         p: None,
         measured: None,
     };
+    frames::make_ways(&mut frames[5]);
     frames[4].revolution.entries = vec![1, -1, 0]; // of a cloud
     frames[0].affinity.verdicts = vec![verdict(true, 3.0), verdict(false, 0.5), verdict(false, 0.0)];
     frames
@@ -145,6 +147,25 @@ fn number_comparison(entity: &str, component: &str) -> Option<fn(&Value, &Frame)
         ("/scan/openings", "Tensor:data") => |value, frame| {
             let openings = &frame.junction.openings;
             is_f64s(value, &[openings.len(), 2], openings.iter().flat_map(|o| [o.bearing_rad, o.width_m]).collect())
+        },
+        ("/scan/cloud/tilt", _) => {
+            |value, frame| is_f64s(value, &[4], frame.revolution.cloud_tilt.coords.iter().copied().collect())
+        }
+        ("/scan/ways", "Tensor:data") => |value, frame| {
+            let row = |way: &Way| {
+                let ([x, y, z], cut): ([f64; 3], _) = (way.direction.into(), f64::from(u8::from(way.cut_by_view)));
+                [x, y, z, way.clearance_m, way.p, cut]
+            };
+            let ways = frame.junction.ways.iter().flatten();
+            is_f64s(value, &[ways.clone().count(), 6], ways.flat_map(row).collect())
+        },
+        ("/scan/sphere", "Tensor:data") => |value, frame| {
+            let row = |cell: &Cell| {
+                let ([x, y, z], way): ([f64; 3], _) = (cell.direction.into(), cell.way.map_or(-1.0, f64::from));
+                [x, y, z, cell.range_m, cell.reach_m, way].map(|value| value as f32)
+            };
+            let cells = &dual(frame).cells;
+            is(value, &[cells.len(), 6], Numbers::F32(cells.iter().flat_map(row).collect()))
         },
         ("/affinity/degrees", _) => |value, frame| {
             let degrees: Vec<f32> = frame.affinity.degrees.iter().map(|&d| d as f32).collect();
@@ -268,9 +289,12 @@ fn text_comparison(entity: &str, component: &str) -> Option<fn(&Value, &Frame) -
                 .walls
                 .iter()
                 .map(|wall| format!("| {} | {} | {} |", wall.id, COLOURS[wall.id as usize], wall.returns));
-            let count = format!("# {} walls · ", frame.junction.junctions);
+            let ways = frame.junction.ways.as_ref().map_or(String::new(), |ways| format!("{} ways on · ", ways.len()));
+            let rows = frame.junction.ways.iter().flatten().zip(COLOURS);
+            let rows = rows.map(|(way, colour)| format!("| {colour} | {} | {:.2} |", way.words(), way.p));
+            let count = format!("# {ways}{} walls · ", frame.junction.junctions);
             let Value::Texts(texts) = value else { return false };
-            texts[0].starts_with(&count) && openings.chain(walls).all(|row| texts[0].contains(&row))
+            texts[0].starts_with(&count) && rows.chain(openings).chain(walls).all(|row| texts[0].contains(&row))
         },
         ("/timing/summary", _) => |value, frame| {
             let now = Step::ALL.map(|step| format!("| {step} | {:.2} |", frame.timings.ns(step) as f64 * 1e-6));
@@ -283,15 +307,28 @@ fn text_comparison(entity: &str, component: &str) -> Option<fn(&Value, &Frame) -
 /// Whether a picture holds both triangles of `m` to half a decade, and nothing where there is no return.
 fn is_picture(value: &Value, frame: &Frame, m: &faer::Mat<f64>) -> bool {
     let Value::Numbers(Array { shape, numbers: Numbers::F64(read), .. }) = value else { return false };
-    let return_at = |place: usize| match sweep(frame).beams.get(place) {
-        Some(Beam::Return(i)) => Some(*i as usize),
-        _ => None,
-    };
+    let return_at = |place: usize| row_at(frame, place);
     read.iter().enumerate().all(|(at, &value)| match return_at(at / shape[1]).zip(return_at(at % shape[1])) {
         None => value == 0.0,
         Some((i, j)) if value == 0.0 => m[(i, j)].abs() < 1e-15,
         Some((i, j)) => (m[(i, j)].abs() / value).log10().abs() <= 0.502,
     })
+}
+
+/// The row of W at a pixel of its picture: a return at that of its beam; directions share the largest side.
+pub(crate) fn row_at(frame: &Frame, place: usize) -> Option<usize> {
+    if frame.affinity.dual.is_some() {
+        let n = frame.affinity.weights.n();
+        return Some(place / (1024 / n)).filter(|row| *row < n);
+    }
+    match sweep(frame).beams.get(place) {
+        Some(Beam::Return(i)) => Some(*i as usize),
+        _ => None,
+    }
+}
+
+pub(crate) fn dual(frame: &Frame) -> &crosscut_stage::Dual {
+    frame.affinity.dual.as_ref().expect("directions")
 }
 
 pub(crate) fn sweep(frame: &Frame) -> &crosscut_stage::Sweep {

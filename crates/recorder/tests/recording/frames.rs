@@ -4,10 +4,11 @@ use std::f64::consts::{PI, TAU};
 
 use crosscut_stage::NoteCode::N101;
 use crosscut_stage::{
-    Affinity, Beam, Evidence, Frame, Junction, Opening, Partition, Place, Point, Revolution, Spectrum, Step, Sweep,
-    Wall, Weights,
+    Affinity, Beam, Between, Cell, Dual, Evidence, Frame, Junction, Opening, Partition, Place, Point, Revolution,
+    Spectrum, Step, Sweep, Wall, Way, Weights,
 };
 use faer::{Mat, Side};
+use nalgebra::{UnitQuaternion, Vector3};
 
 pub(crate) const BEAMS: usize = 360;
 const RANGE_M: f64 = 15.0;
@@ -60,6 +61,34 @@ pub(crate) fn cloud_frame(seq: u64, n: usize) -> Frame {
         w.end_row();
     }
     frame
+}
+
+/// Makes the rows of a frame the directions of its beams, and its walls ways on; with a cloud above the returns.
+pub(crate) fn make_ways(frame: &mut Frame) {
+    let sweep = frame.revolution.sweep.as_ref().expect("a sweep");
+    let cell = |(beam, bearing_rad): (&Beam, &f64)| {
+        let way = if let Beam::Return(i) = beam { frame.junction.wall_of_return[*i as usize] } else { None };
+        let direction = Vector3::new(bearing_rad.cos(), bearing_rad.sin(), 0.0);
+        let known_m = if way.is_some() { 6.5 } else { f64::INFINITY };
+        Cell { direction, range_m: known_m, reach_m: known_m, way }
+    };
+    let cells: Vec<Cell> = sweep.beams.iter().zip(&sweep.bearings_rad).map(cell).collect();
+    let way = |number: u32| Way {
+        direction: Vector3::new(0.6, 0.0, 0.8),
+        clearance_m: 2.0 + f64::from(number),
+        p: 0.98,
+        evidence: Evidence::SeenThrough,
+        cut_by_view: number == 1,
+        is_wide: false,
+    };
+    let ways: Vec<Way> = (0..3).map(way).collect();
+    let between = vec![Between { ways: [0, 1], direction: Vector3::y(), reach_m: 3.5 }];
+    let above = |point_m: &Point| Point::new(point_m.x, point_m.y, 0.5).map(|x| f64::from(x as f32));
+    frame.revolution.cloud_m = frame.revolution.points_m.iter().map(above).collect();
+    frame.revolution.cloud_tilt = UnitQuaternion::from_euler_angles(0.1, -0.2, 0.0);
+    frame.junction.ways = Some(ways.clone());
+    let tilt = UnitQuaternion::default();
+    frame.affinity.dual = Some(Dual { cells, ways, between, tilt, view_rad: [-0.3, 0.3], cut_m: 4.0, on_m: 4.4 });
 }
 
 /// When revolution `seq` was taken.

@@ -5,9 +5,9 @@ use crosscut_recorder::Recorder;
 use crosscut_rrd::Recording;
 use crosscut_sensor::Sensor;
 use crosscut_stage::NoteCode::N101;
-use crosscut_stage::{Frame, Observer as _, Source as _};
+use crosscut_stage::{Frame, Observer as _, Revolution, Source as _};
 
-use crate::reading;
+use crate::{frames, reading};
 
 /// Records a flight without stages, and gives its frames.
 fn flown(flight: &str, topics: &[&str], path: &std::path::Path) -> Vec<Frame> {
@@ -61,4 +61,18 @@ fn a_scan_rebuilt_from_a_recording_differs_in_a_bit() {
             println!("skipped, {path} is not there");
         }
     }
+}
+
+#[test]
+fn a_cloud_rebuilt_from_a_recording_differs_in_a_bit_or_appears_where_there_is_none() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("flight.rrd");
+    let mut frames = [0, 1, 2].map(frames::frame);
+    frames::make_ways(&mut frames[1]);
+    reading::record_with(reading::options(&path), &frames);
+    let recording = Recording::open(&path).expect("it was recorded");
+    let scans = recording.revolutions().expect("it was recorded").map(Result::unwrap);
+    assert!(!frames[1].revolution.cloud_m.is_empty());
+    let cloud = |revolution: Revolution| (revolution.cloud_m, revolution.cloud_tilt);
+    assert!(scans.map(|scan| cloud(scan.revolution)).eq(frames.iter().map(|frame| cloud(frame.revolution.clone()))));
 }

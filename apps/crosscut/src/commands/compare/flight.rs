@@ -145,10 +145,16 @@ pub(super) fn readers(
         }
     }
     let reader = |(_, places): (String, Vec<usize>)| {
-        let flight = open(&configurations[places[0]].config)?;
+        let flight = open(reading(configurations, &configurations[places[0]].config))?;
         Ok(Reader::new(flight, places, configurations, registry))
     };
     readings.into_iter().map(reader).collect()
+}
+
+/// The configuration by which all are read that read scans as `config` does: if any takes clouds, one of these. Others pass them over.
+pub(super) fn reading<'a>(configurations: &'a [Configuration], config: &'a Config) -> &'a Config {
+    let is_alike = |of: &&Config| settings_of_step(of, Step::Ingest) == settings_of_step(config, Step::Ingest);
+    configurations.iter().map(|of| &of.config).filter(is_alike).find(|of| of.takes_cloud()).unwrap_or(config)
 }
 
 /// The one reader of a flight that comes as it is made: it is read once, as the first configuration reads scans.
@@ -292,7 +298,7 @@ pub(super) fn compare(
             match (first, other) {
                 (Some(first), Some(other)) => {
                     let agreement = Agreement::of(first, other)?;
-                    surer.add(!agreement.same_walls, agreement.confidence);
+                    surer.add(!agreement.is_same(), agreement.confidence);
                     differences.add(&agreement);
                 }
                 (Some(_), None) => differences.answered_by_one[0] += 1,

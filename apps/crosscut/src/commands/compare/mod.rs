@@ -69,7 +69,7 @@ pub(crate) fn compare(args: &CompareArgs, registry: &Registry, robots: Option<&d
     let grid = Grid::parse(&args.grid)?;
     let configurations = configurations::named(&args.with, &grid, &args.set, registry)?;
     let stop = stop_on_interrupt()?; // before any recording is looked through
-    let config = &configurations[0].config;
+    let config = flight::reading(&configurations, &configurations[0].config);
     let robot = robot_of(&args.input, &args.live, None, config)?;
     let read = files_of(&args.input, &args.live, robot.as_ref(), configurations::files(&args.with))?;
     let outputs: Vec<_> = args.json.iter().chain(&args.csv).map(PathBuf::as_path).collect();

@@ -9,6 +9,7 @@ use crosscut_evaluate::times::Stopwatch;
 use crosscut_evaluate::tolerance::{SUITS, Tolerances};
 use crosscut_evaluate::verdict::Surer;
 use crosscut_evaluate::{Differences, Evaluation, Proportion, Scoreboard, Stretch};
+use crosscut_stage::counted;
 use serde_json::{Value, json};
 
 use super::flight::{Answers, Compared};
@@ -216,6 +217,7 @@ impl<'a> Shown<'a> {
     }
 
     fn agreement(&self) -> Table {
+        let has_ways = self.differences.iter().any(|of| !of.ways_lacking.is_of_none() || !of.ways_more.is_of_none());
         let columns = [
             "configuration",
             "revolutions",
@@ -226,17 +228,22 @@ impl<'a> Shown<'a> {
             "same returns",
             "openings missing",
             "openings added",
+            "ways missing",
+            "ways added",
         ];
+        let columns = &columns[..if has_ways { columns.len() } else { columns.len() - 2 }];
         let percent = |share: Proportion| share.value().map_or("-".to_owned(), |share| format!("{:.1}", 100.0 * share));
         let row = |(other, of): (&str, &Differences)| {
+            let ways = [of.ways_lacking, of.ways_more].into_iter().filter(|_| has_ways);
             let shares =
                 [of.same_count, of.same_k, of.same_walls, of.returns_alike, of.openings_lacking, of.openings_more];
+            let shares = shares.into_iter().chain(ways);
             let [by_both, by_one] = [of.same_count.of, of.answered_by_one.iter().sum()];
             [other.to_owned(), by_both.to_string(), by_one.to_string()].into_iter().chain(shares.map(percent)).collect()
         };
         Table {
             title: format!("against {}, %", self.first()),
-            header: columns.map(str::to_owned).to_vec(),
+            header: columns.iter().map(|&name| name.to_owned()).collect(),
             rows: self.others(&self.differences).map(row).collect(),
         }
     }
@@ -252,7 +259,8 @@ impl<'a> Shown<'a> {
             longest.sort_unstable();
             shown = longest.into_iter().map(|at| shown[at]).collect();
         }
-        let mut title = format!("stretches where the walls of {first} and {other} differ");
+        let or_ways = if differences.stretches.iter().any(|of| of.ways.is_some()) { " or ways" } else { "" };
+        let mut title = format!("stretches where the walls{or_ways} of {first} and {other} differ");
         if shown.len() < differences.stretches.len() {
             title += &format!(": the {STRETCHES} longest of {} (--details shows them)", differences.stretches.len());
         }
@@ -277,7 +285,10 @@ impl<'a> Shown<'a> {
         };
         let [from, to] = of.seq.map(|seq| seq.to_string());
         let [from_s, to_s] = of.stamp_ns.map(|stamp_ns| format!("{:.2}", since_start_s(stamp_ns)));
-        let [walls, mut walls_of_other] = of.junctions.map(|walls| walls.to_string());
+        let ways = of.ways.map(|ways| ways.map(|ways| format!(", {} on", counted(ways as u64, "way"))));
+        let [ways, ways_of_other] = ways.unwrap_or_default();
+        let [walls, walls_of_other] = of.junctions;
+        let (walls, mut walls_of_other) = (format!("{walls}{ways}"), format!("{walls_of_other}{ways_of_other}"));
         if walls == walls_of_other {
             walls_of_other += " (grouped otherwise)";
         }

@@ -61,6 +61,8 @@ struct Scan {
     k: usize,
     margin_decades: Option<f64>,
     openings: Vec<[f64; 3]>,
+    /// In words.
+    ways: Vec<String>,
     notes: Vec<String>,
 }
 
@@ -161,6 +163,7 @@ impl Stay {
         let openings = self.clearest.openings.iter().map(|[bearing_rad, width_m, range_m]| {
             format!("<li>{:+.0}°, {width_m:.1} m wide, {range_m:.1} m away</li>", bearing_rad.to_degrees())
         });
+        let ways = self.clearest.ways.iter().map(|way| format!("<li>way on: {way}</li>"));
         let notes = self.clearest.notes.iter().map(|note| format!("<li>{}</li>", escaped(note)));
         let shown = &self.clearest;
         let disagrees = (!self.agrees(shown.openings.len(), shown.walls)).then(|| {
@@ -178,7 +181,7 @@ impl Stay {
             escaped(&look.at(seq)),
             sheet(std::slice::from_ref(&self.clearest.panel), 1),
             self.clearest.spectrum(),
-            openings.collect::<String>(),
+            openings.chain(ways).collect::<String>(),
             notes.collect::<String>(),
         )
     }
@@ -199,6 +202,7 @@ impl Scan {
             k: spectrum.k,
             margin_decades: spectrum.margin_decades,
             openings: openings.collect(),
+            ways: junction.ways.iter().flatten().map(|way| format!("{}, p = {:.2}", way.words(), way.p)).collect(),
             notes: notes.iter().map(str::to_owned).collect(),
         }
     }
