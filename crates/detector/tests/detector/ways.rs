@@ -108,7 +108,7 @@ fn dust_at_the_edge_of_a_narrow_view_is_no_wall_beside_the_sensor() {
     cloud
         .points_m
         .extend(edge.map(|(at, point_m)| if at % 8 == 0 { point_m.map(|part| 0.12 * part) } else { point_m }));
-    let found = answer(Preset::ThreeD, &cloud);
+    let found = answer(Preset::ThreeD, &cloud).junction;
     assert_eq!(kinds(&found), [WayKind::Level; 2], "{:#?}", found.ways);
 }
 
@@ -120,7 +120,7 @@ fn the_vehicle_around_the_sensor_is_no_place_with_a_sure_way() {
         let range_m = Vector3::from(*point_m).norm();
         *point_m = point_m.map(|part| part * 0.32 / range_m);
     }
-    let found = answer(Preset::ThreeD, &cloud);
+    let found = answer(Preset::ThreeD, &cloud).junction;
     assert!(
         found.ways.expect("ways").iter().all(|way| way.p <= 0.3) && found.confidence.is_none_or(|sure| sure <= 0.5)
     );
