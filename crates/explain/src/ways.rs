@@ -2,8 +2,6 @@
 
 use crosscut_stage::{Between, Dual, Frame, Way, direction_words};
 
-use crate::words::numbered;
-
 /// What is known of a way: "**way 0 (blue)**, level at +12°, 0° up: 2.6 m, p = 0.98: the vehicle gets 14.2 m far in it, and 4.6 m
 /// make a way." `name` is what it is called.
 fn of_way(name: &str, way: &Way, dual: &Dual) -> String {
@@ -46,4 +44,8 @@ fn parted(between: &Between, ways: &[Way], dual: &Dual, color_of: &dyn Fn(u32) -
 
 fn name(number: u32, color_of: &dyn Fn(u32) -> &'static str) -> String {
     numbered("way", number, color_of(number))
+}
+
+pub(crate) fn numbered(what: &str, id: u32, color: &str) -> String {
+    if color.is_empty() { format!("{what} {id}") } else { format!("{what} {id} ({color})") }
 }

@@ -3,7 +3,7 @@
 use crosscut_stage::{Beam, Frame, Junction, KnownGaps, Place, Spectrum, Verdict, counted};
 
 use crate::judged::{Judged, judged};
-use crate::ways::ways;
+use crate::ways::{numbered, ways};
 use crate::{Change, Edge, Explanation, WallEdges};
 
 /// The text has a line for at most this many walls.
@@ -260,10 +260,6 @@ impl Words<'_> {
 /// What a wall is called: "wall 3 (vermilion)"; "wall 3" where it is not drawn.
 pub fn wall(id: u32, color: &str) -> String {
     numbered("wall", id, color)
-}
-
-pub(crate) fn numbered(what: &str, id: u32, color: &str) -> String {
-    if color.is_empty() { format!("{what} {id}") } else { format!("{what} {id} ({color})") }
 }
 
 /// The inequality that gives k: "λ3 7.4e-9 < τ 1.0e-7 ≤ λ4 2.5e-5".
