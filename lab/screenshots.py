@@ -4,6 +4,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 from PIL import Image
 
 ROOT = Path(__file__).parents[1]
@@ -37,6 +38,7 @@ def main(crosscut: str):
             take(crosscut, [paper, "--layout", "stages"], seq, "stages-light", light=True)
     maps(crosscut)
     mission(crosscut)
+    ways(crosscut)
     robot = WORK / "robot.mcap"
     sensors.write(robot)
     take(crosscut, [run(crosscut, robot, "default", "robot"), "--beside", robot], 20, "sensors-robot")
@@ -55,6 +57,30 @@ def mission(crosscut: str):
     saved = WORK / "mission.rrd"
     subprocess.run([crosscut, "explore", "loops", "--seed", "7", "--save", saved, "--set", "recording.detail=light", "--quiet"], check=True)
     take(crosscut, [saved], 2112, "mission")
+
+
+def ways(crosscut: str):
+    """The ways on of a cloud: a gallery, a raise above it, and a ramp down from it."""
+    tubes = [((-60, 0, 0), (60, 0, 0), 2.0), ((0.5, 0, 0), (0.5, 0, 25), 1.3), ((0, 0, 0), (5, 25, -11), 1.6)]
+    elevation, bearing = (angles.ravel() for angles in np.meshgrid(np.linspace(-np.pi / 2, np.pi / 2, 129)[1:-1], np.linspace(-np.pi, np.pi, 512)))
+    towards = np.stack([np.cos(elevation) * np.cos(bearing), np.cos(elevation) * np.sin(bearing), np.sin(elevation)], axis=1)
+    range_m = np.zeros(len(towards))
+    for _ in range(200):  # from wall to wall of the spheres that are free
+        at_m = range_m[:, None] * towards
+        range_m += np.max([free_m(at_m, *(np.array(of, dtype=float) for of in tube)) for tube in tubes], axis=0).clip(0)
+    points = (range_m[:, None] * towards)[range_m < 25].astype("<f4")
+    cloud = WORK / "ways.ply"
+    fields = "".join(f"property float {axis}\n" for axis in "xyz")
+    cloud.write_bytes(f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\n{fields}end_header\n".encode() + points.tobytes())
+    take(crosscut, [run(crosscut, cloud, "3d", "ways")], 0, "ways")
+
+
+def free_m(at_m: np.ndarray, start: np.ndarray, end: np.ndarray, radius_m: np.ndarray) -> np.ndarray:
+    """How far it is to the rough wall of a tube; below 0 outside of it."""
+    along = end - start
+    share = ((at_m - start) @ along / (along @ along)).clip(0, 1)
+    rough_m = 0.1 * np.sin(at_m * (2.1, 1.7, 2.6)).sum(axis=1)
+    return 0.6 * (radius_m + rough_m - np.linalg.norm(at_m - start - share[:, None] * along, axis=1))
 
 
 def why(crosscut: str, tee: Path):
