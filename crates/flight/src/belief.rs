@@ -21,7 +21,7 @@ const ANSWERS: f64 = 6.0;
 
 /// [`sure`] is within these bounds: errors of revolutions that follow each other are alike.
 const LEAST_SURE: f64 = 0.4;
-const MOST_SURE: f64 = 0.85;
+const MOST_SURE: f64 = 0.8;
 
 /// Revolutions nearer in time than this see the same, and count less.
 const INDEPENDENT_S: f64 = 0.1;
