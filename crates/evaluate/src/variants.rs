@@ -8,7 +8,7 @@ use crosscut_stage::{Eigenvalues, Frame, Step, Value};
 fn sections_of(step: Step) -> &'static [&'static str] {
     match step {
         Step::Ingest => &["csv", "ingest"],
-        Step::Affinity => &["pipeline", "affinity"],
+        Step::Affinity => &["pipeline", "affinity", "vehicle"], // whose width affinities read
         Step::Spectral => &["spectral"],
         Step::Kmeans => &["kmeans"],
         Step::Report => &["report", "vehicle"],

@@ -32,14 +32,12 @@ pub(crate) fn nearest(ways: &[Way], dual: &Dual, color_of: &dyn Fn(u32) -> &'sta
     nearest.map(|between| parted(between, ways, dual, color_of))
 }
 
-/// "way 0 (blue) and way 2 (green) are two: between them, at +90°, 2° up, the vehicle gets 2.9 m far; with 4.2 m they were one."
+/// "Between way 0 (blue) and way 2 (green), at +90°, 2° up, the vehicle gets 2.9 m far; with 4.2 m they would be one."
 fn parted(between: &Between, ways: &[Way], dual: &Dual, color_of: &dyn Fn(u32) -> &'static str) -> String {
     let numbers = dual.numbers_in(ways);
     let [a, b] = between.ways.map(|of| numbers[of as usize].map_or("another one".to_owned(), |at| name(at, color_of)));
     let (at, reach_m, cut_m) = (direction_words(&between.direction), between.reach_m, dual.cut_m);
-    format!(
-        "{a} and {b} are two: between them, at {at}, the vehicle gets {reach_m:.1} m far; with {cut_m:.1} m they were one."
-    )
+    format!("Between {a} and {b}, at {at}, the vehicle gets {reach_m:.1} m far; with {cut_m:.1} m they would be one.")
 }
 
 fn name(number: u32, color_of: &dyn Fn(u32) -> &'static str) -> String {

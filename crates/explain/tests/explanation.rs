@@ -369,8 +369,7 @@ fn ways_say_in_metres_what_parts_them_by_the_numbers_of_the_report() {
         on_m: 4.6,
     });
     frame.junction.ways = Some(vec![left, raise]); // by bearing
-    let parted = "way 1 (red) and way 0 (red) are two: between them, at +90°, 53° up, the vehicle gets 2.9 m far; with 4.2 m they \
-                  were one.";
+    let parted = "Between way 1 (red) and way 0 (red), at +90°, 53° up, the vehicle gets 2.9 m far; with 4.2 m they would be one.";
     assert_eq!(
         ways(&frame, &|_| "red"),
         [

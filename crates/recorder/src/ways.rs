@@ -46,7 +46,8 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     let ui = Radius::new_ui_points;
     rec.log_static(SCAN_CLOUD.path, &Points3D::update_fields().with_radii([ui(0.75)]))?;
     let tips = Points3D::update_fields().with_radii([ui(0.0)]).with_show_labels(true);
-    rec.log_static(SCAN_WAYS.path, &[&Arrows3D::update_fields().with_radii([ui(4.0)]) as &dyn AsComponents, &tips])?;
+    let arrows = Arrows3D::update_fields().with_radii([ui(4.0)]).with_show_labels(false);
+    rec.log_static(SCAN_WAYS.path, &[&arrows as &dyn AsComponents, &tips])?;
     let bars = LineStrips2D::update_fields().with_show_labels(false);
     rec.log_static(SCAN_SPHERE.path, &[&look(Colormap::Grayscale) as &dyn AsComponents, &bars])?;
     let marks = Points2D::update_fields().with_radii([ui(4.0)]).with_show_labels(true);
@@ -56,7 +57,7 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     let bearings = ["180°", "+90° left", "0° ahead", "-90° right", "180°"];
     let elevations = ["90° up", "level", "90° down"];
     let below = (0..).zip(bearings).map(|(at, name)| ([90.0 * at as f32, low + 2.0], name));
-    let beside = (0..).zip(elevations).map(|(at, name)| ([-16.0, 90.0 * at as f32 - 5.0], name));
+    let beside = (0..).zip(elevations).map(|(at, name)| ([-28.0, 88.0 * at as f32 - 4.0], name));
     let names = words(below.chain(beside));
     rec.log_static(SCAN_SPHERE_AXES.path, &[&level.with_radii([ui(0.5)]) as &dyn AsComponents, &names])
 }
@@ -107,7 +108,7 @@ impl Unrolled {
         rows.log_tensor(&SCAN_SPHERE, table, &[&picture, &bars]);
         let named = (0..).zip(ways).map(|(number, way)| (place(&way.direction), (label(number, way), color(LABEL))));
         let parted = dual.between.iter().map(|of| {
-            let words = format!("parted: {:.1} m, not {:.1} m", of.reach_m, dual.cut_m);
+            let words = format!("{:.1} of {:.1} m", of.reach_m, dual.cut_m);
             (place(&of.direction), (words, color(NAMED)))
         });
         let (at, (labels, colors)): (Vec<_>, (Vec<_>, Vec<_>)) = named.chain(parted).unzip();

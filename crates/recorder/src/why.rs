@@ -94,7 +94,8 @@ pub(crate) fn log(rows: &mut Rows, frame: &Frame, explanation: &Explanation, tol
     let color_of = |number| told.classes.name(number);
     let mut paragraphs = vec![explanation.title(frame, &color_of)];
     paragraphs.extend(told.changed.clone());
-    paragraphs.extend([told.context(frame), legend(frame), explanation.details(frame, &color_of)]);
+    let legend = if frame.affinity.dual.is_some() { LEGEND_OF_WAYS } else { LEGEND };
+    paragraphs.extend([told.context(frame), legend.into(), explanation.details(frame, &color_of)]);
     rows.log(&REPORT_WHY, &TextDocument::new(paragraphs.join("\n\n")));
     for event in watch.events(frame, told.truth) {
         let level = match event {
@@ -193,20 +194,14 @@ pub(crate) fn source_in(text: &str) -> Option<&str> {
 }
 
 /// What the colours of edges and labels mean.
-fn legend(frame: &Frame) -> String {
-    let decides = match frame.junction.ways {
-        Some(_) => {
-            "In **6**, *pink* is where two ways are nearest to being one: how far the vehicle gets, and how far it would have to."
-        }
-        None => {
-            "In **1** and **2**, the *pink* line is the gap named here, a *yellow* one another edge that would change k; the *pink* \
-             ring is around what tips the count first."
-        }
-    };
-    format!(
-        "{decides} In **7**, *pink* arrows are openings with their free width; it is less than the length from end to end."
-    )
-}
+const LEGEND: &str = "In **1** and **2**, the *pink* line is the gap named here, a *yellow* one another edge that would change k; the \
+    *pink* ring is around what tips the count first. In **7**, *pink* arrows are openings with their free width; it is less than \
+    the length from end to end.";
+
+/// The same where ways on are counted.
+const LEGEND_OF_WAYS: &str = "In **1**, arrows are ways on, and points in their directions have their colours. In **6**, *pink* is what parts \
+    two ways: how far the vehicle gets there, of the distance with which they would be one. In **7**, *pink* arrows are openings of the \
+    level view.";
 
 /// Lines across the gaps that decide the count, each with a mark.
 pub(crate) fn log_decisive(rows: &mut Rows, revolution: &Revolution, decisive: &[Decisive], reach_m: f64) {

@@ -102,12 +102,12 @@ impl Views {
         let contents = self.entities([SCAN_CLOUD, SCAN_WAYS, SCAN_SENSOR]);
         let view = Spatial3DView::new(self.titled(name)).with_origin(self.origin()).with_contents(contents);
         let cut = self.extent.ways_m as f32;
-        self.seen_from(view, [-2.5 * cut, 1.0 * cut, 2.5 * cut], [0.0, 0.0, 1.0])
+        self.seen_from(view, [-3.2 * cut, 1.2 * cut, 3.2 * cut], [0.0, 0.0, 1.0])
     }
 
     /// The sphere of directions around a cloud, unrolled.
     pub(super) fn sphere(&mut self, name: &str) -> ContainerLike {
-        self.flat(name, [SCAN_SPHERE, SCAN_SPHERE_MARKS, SCAN_SPHERE_AXES], [-30.0, -8.0, 372.0, 200.0])
+        self.flat(name, [SCAN_SPHERE, SCAN_SPHERE_MARKS, SCAN_SPHERE_AXES], [-58.0, -8.0, 385.0, 200.0])
     }
 
     /// Walls and openings in space, with all entities below `root` except pictures; seen from behind and above.

@@ -75,7 +75,7 @@ pub(crate) fn comparison(entity: &str, component: &str) -> Option<fn(&Value, &Fr
             points.len() == dual(frame).ways.len() + between.len() && points.last() == Some(&vec![90.0, 90.0])
         },
         ("/scan/sphere/marks", "Points2D:labels") => {
-            |value, _| texts(value).last().is_some_and(|label| label == "parted: 3.5 m, not 4.0 m")
+            |value, _| texts(value).last().is_some_and(|label| label == "3.5 of 4.0 m")
         }
         ("/scan/sphere/marks", "Points2D:colors") => |value, frame| wholes(value).len() == dual(frame).ways.len() + 1,
         ("/scan/openings", "Arrows3D:origins") => |value, frame| points(value).len() == frame.junction.openings.len(),
