@@ -197,7 +197,7 @@ fn the_ways_of_a_cloud_stand_in_the_results_where_they_are_asked_for() {
     let path = flight.display().to_string();
     let summary = run(["run", &path, "--preset", "3d"]).stdout;
     assert!(summary.contains("cut by view") && summary.matches(" level ").count() == 2, "{summary}");
-    // Beside a preset that does not take clouds, and after it.
+    // Beside a preset that does not take clouds, before it and after it.
     let confidence = |with: &[&str]| {
         let with = with.iter().flat_map(|with| ["--with", with]);
         let csv = run(["compare", &path, "--csv", "-"].into_iter().chain(with)).stdout;
@@ -205,7 +205,7 @@ fn the_ways_of_a_cloud_stand_in_the_results_where_they_are_asked_for() {
         let column = rows[0].iter().position(|name| *name == "mean_confidence").expect("a column");
         rows.last().expect("a row")[column].to_owned()
     };
-    assert_eq!(confidence(&["default", "3d"]), confidence(&["3d"]));
+    assert_eq!(confidence(&["default", "3d"]), confidence(&["paper", "3d"]));
 }
 
 /// A level gallery along x, from which a ramp leads up to the left, seen all around by a lidar that is turned so in the gallery.

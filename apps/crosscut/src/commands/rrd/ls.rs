@@ -1,6 +1,7 @@
 //! `crosscut rrd ls`: entities, components, revolutions and sizes of a recording.
 
 use crosscut_evaluate::tables::Table;
+use crosscut_rrd::schema::Entity;
 use crosscut_rrd::{ReadError, RecordedEntity, Recording};
 
 use super::args::RrdLsArgs;
@@ -85,7 +86,13 @@ fn maker(recording: &Recording) -> String {
 /// A line for each entity with the component that holds its values, or one for each component of `only`.
 fn entities(recording: &Recording, only: Option<&str>) -> Table {
     let mut rows = Vec::new();
-    for (path, entity) in recording.entities().iter().filter(|(path, _)| only.is_none_or(|only| only == *path)) {
+    // What has a look and no values was not drawn.
+    let is_drawn = |path: &str, entity: &RecordedEntity| {
+        Entity::of(path).is_none_or(|known| entity.components.contains_key(known.values))
+    };
+    let is_listed =
+        |path: &str, entity: &RecordedEntity| only.map_or_else(|| is_drawn(path, entity), |only| only == path);
+    for (path, entity) in recording.entities().iter().filter(|(path, entity)| is_listed(path, entity)) {
         let range = entity.revolutions.map_or_else(|| "all".to_owned(), |[first, last]| format!("{first}..{last}"));
         let kilobytes = format!("{:.1}", entity.bytes as f64 / 1e3);
         let mut start = [path.clone(), range, kilobytes];
