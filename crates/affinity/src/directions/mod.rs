@@ -30,6 +30,7 @@ mod ways;
 pub use ways::Found;
 
 use crosscut_scan::VEHICLE_WIDTH_M;
+use crosscut_stage::NoteCode::N106;
 use crosscut_stage::{Affinity, AffinityStage, Beam, Between, Cell, Dual, Kind, Notes, Point, Revolution, StageError};
 
 use nalgebra::{UnitQuaternion, Vector3};
@@ -143,9 +144,15 @@ impl Sky {
         if !self.room_m.is_finite() {
             return Vec::new();
         }
-        let mut found = ways::find(&self.sphere, &self.sight, &self.reach_m, self.room_m, self.radius_m);
+        let mut found = ways::find(&self.sphere, &self.sight, &self.reach_m, self.room_m, self.own_m().is_some());
         found.iter_mut().for_each(|found| found.way.direction = self.leveled(found.way.direction));
         found
+    }
+
+    /// How near the nearest that is seen is, if it is rather a part of the vehicle, metres.
+    fn own_m(&self) -> Option<f64> {
+        let near_m = reach::clear_m(&self.sight, &Vector3::zeros());
+        (near_m < ways::OWN_RADII * self.radius_m).then_some(near_m)
     }
 
     fn leveled(&self, direction: Vector3<f64>) -> Vector3<f64> {
@@ -185,12 +192,22 @@ impl Sky {
 }
 
 impl AffinityStage for Directions {
-    fn weigh(&mut self, revolution: &Revolution, out: &mut Affinity, _: &mut Notes) -> Result<(), StageError> {
+    fn weigh(&mut self, revolution: &Revolution, out: &mut Affinity, notes: &mut Notes) -> Result<(), StageError> {
         let Self { width_m, sky } = self;
         if revolution.cloud_m.is_empty() {
             sky.look_level(revolution, *width_m);
         } else {
             sky.look(&revolution.cloud_m, &revolution.cloud_tilt, *width_m);
+        }
+        if let Some(near_m) = sky.own_m() {
+            let least_m = (10.0 * ways::OWN_RADII * sky.radius_m).ceil() / 10.0;
+            notes.add(
+                N106,
+                format!(
+                    "directions: something is {near_m:.2} m from the sensor, as parts of the vehicle are, so no way is sure; if it is one, \
+                     --set ingest.min_range_m={least_m} leaves it out"
+                ),
+            );
         }
         let ways = sky.ways();
         let mut row_of = vec![None; sky.sphere.len()];

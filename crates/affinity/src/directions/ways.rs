@@ -28,7 +28,7 @@ const KNOWN_SHARE: f64 = 0.75;
 const ONE_WAY: f64 = 0.7;
 const WIDE_ODDS: f64 = 0.3;
 /// And where something is seen nearer than this many radii of the vehicle: it is rather a part of the vehicle, and the room is its own.
-const OWN_RADII: f64 = 1.25;
+pub(super) const OWN_RADII: f64 = 1.25;
 
 /// A way, and its cells, ascending.
 #[derive(Clone, Debug)]
@@ -39,8 +39,8 @@ pub struct Found {
     pub cells: Vec<u32>,
 }
 
-/// The ways, by their first cell, of a sight with as much room at the sensor, for a vehicle of this radius.
-pub(super) fn find(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64, radius_m: f64) -> Vec<Found> {
+/// The ways, by their first cell, of a sight with as much room at the sensor; `is_own`: parts of the vehicle bound it.
+pub(super) fn find(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64, is_own: bool) -> Vec<Found> {
     let (mut sets, mut of_cell) = (DisjointSets::default(), Vec::new());
     let mut parts = components(sphere, reach_m, APART * room_m, &mut sets, &mut of_cell);
     let is_on = |cells: &Vec<u32>| cells.iter().any(|cell| reach_m[*cell as usize] >= ON * room_m);
@@ -66,7 +66,6 @@ pub(super) fn find(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64,
     }
     let unknown = sight.seen.iter().filter(|seen| **seen == Seen::Unknown).count();
     let is_narrow = (unknown as f64) > (1.0 - KNOWN_SHARE) * sphere.len() as f64;
-    let is_own = clear_m(sight, &Vector3::zeros()) < OWN_RADII * radius_m;
     let known = |(cells, stays): (Vec<u32>, usize)| {
         let mut way = known_of(sphere, sight, reach_m, room_m, &cells, RIGHT_SHARE[stays]);
         if way.cut_by_view || is_narrow {
