@@ -70,7 +70,7 @@ pub(crate) fn counts(summary: &Summary) -> Table {
 pub(crate) fn ways(summary: &Summary) -> Option<Table> {
     let row = |(number, way): (usize, &Way)| {
         let [bearing, elevation] =
-            [way.bearing_rad(), way.elevation_rad()].map(|rad| format!("{:+.0}°", rad.to_degrees()));
+            [way.bearing_rad(), way.elevation_rad()].map(|rad| format!("{:+.0}°", rad.to_degrees().round() + 0.0));
         let (kind, cut) = (way.kind().to_string().replace('_', " "), if way.cut_by_view { "yes" } else { "no" });
         let (clearance, p) = (format!("{:.1} m", way.clearance_m), format!("{:.2}", way.p));
         vec![number.to_string(), kind, bearing, elevation, clearance, p, cut.to_owned()]
