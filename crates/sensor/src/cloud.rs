@@ -3,7 +3,7 @@
 use crosscut_messages::Cloud;
 use crosscut_scan::LevelView;
 use crosscut_stage::NoteCode::{N001, N008, N010, N027, N030, N031, N032, N062, N063, N104, N105};
-use crosscut_stage::{Notes, Point, Revolution, Sweep, counted};
+use crosscut_stage::{Beam, Notes, Point, Revolution, Sweep, counted};
 use nalgebra::{Isometry2, Point2, UnitQuaternion, Vector3};
 
 use crate::{Motion, Sensor};
@@ -48,7 +48,11 @@ impl Sensor {
             let rounded = |x: f64| f64::from((x as f32).clamp(f32::MIN, f32::MAX));
             out.cloud_m.extend(view.points_m().iter().map(|point_m| point_m.map(rounded)));
         }
+        let tilt = out.cloud_tilt;
         let seen = out.sweep.get_or_insert_default();
+        if beams.is_none() && tilt != UnitQuaternion::default() {
+            hide_unseen(seen, &tilt, view.points_m());
+        }
         let [first_rad, step_rad, ..] = &mut seen.wire_geometry;
         *first_rad = self.own_angle_rad(f64::from(*first_rad) - self.yaw_rad) as f32;
         *step_rad = self.own_angle_rad(seen.step_rad) as f32;
@@ -142,6 +146,19 @@ impl Sensor {
         note(N010, far, &format!("beyond max_range_m {} m read as no return", self.max_range_m));
         note(N001, masked, "in masked sectors left out");
         note(N032, of_other_rings, "of other rings than ingest.rings left out");
+    }
+}
+
+/// Makes the beams unknown at which a tilted lidar does not look: their elevation about its axis is none of those of the points.
+fn hide_unseen(sweep: &mut Sweep, tilt: &UnitQuaternion<f64>, points_m: &[Point]) {
+    let rise = |towards: &Vector3<f64>| tilt.inverse_transform_vector(towards).z / towards.norm();
+    let rises = points_m.iter().map(|point_m| rise(&point_m.coords));
+    let [low, high] = rises.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], rise| [a.min(rise), b.max(rise)]);
+    for (beam, bearing_rad) in sweep.beams.iter_mut().zip(&sweep.bearings_rad) {
+        let is_in_view = (low..=high).contains(&rise(&Vector3::new(bearing_rad.cos(), bearing_rad.sin(), 0.0)));
+        if *beam == Beam::NoReturn && !is_in_view {
+            *beam = Beam::Unknown;
+        }
     }
 }
 

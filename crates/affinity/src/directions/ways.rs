@@ -39,8 +39,8 @@ pub struct Found {
     pub cells: Vec<u32>,
 }
 
-/// The ways, by their first cell, of a sight with as much room at the sensor; `is_own`: parts of the vehicle bound it.
-pub(super) fn find(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64, is_own: bool) -> Vec<Found> {
+/// The ways, by their first cell, of a sight with as much room at the sensor; none of them is sure where `is_doubtful`.
+pub(super) fn find(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64, is_doubtful: bool) -> Vec<Found> {
     let (mut sets, mut of_cell) = (DisjointSets::default(), Vec::new());
     let mut parts = components(sphere, reach_m, APART * room_m, &mut sets, &mut of_cell);
     let is_on = |cells: &Vec<u32>| cells.iter().any(|cell| reach_m[*cell as usize] >= ON * room_m);
@@ -64,19 +64,24 @@ pub(super) fn find(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64,
             *stays += usize::from(of_way.len() == 1 && taken[of_way[0]] == 1);
         }
     }
-    let unknown = sight.seen.iter().filter(|seen| **seen == Seen::Unknown).count();
-    let is_narrow = (unknown as f64) > (1.0 - KNOWN_SHARE) * sphere.len() as f64;
+    let is_narrow = is_narrow(sphere, sight);
     let known = |(cells, stays): (Vec<u32>, usize)| {
         let mut way = known_of(sphere, sight, reach_m, room_m, &cells, RIGHT_SHARE[stays]);
         if way.cut_by_view || is_narrow {
             way.p *= CUT_SHARE[usize::from(way.evidence == Evidence::NoReturn)];
         }
-        if is_own {
+        if is_doubtful {
             way.p = way.p.min(WIDE_ODDS);
         }
         Found { way, cells }
     };
     parts.into_iter().zip(stays).map(known).collect()
+}
+
+/// Whether something is known in a small share of all directions.
+pub(super) fn is_narrow(sphere: &Sphere, sight: &Sight) -> bool {
+    let unknown = sight.seen.iter().filter(|seen| **seen == Seen::Unknown).count();
+    (unknown as f64) > (1.0 - KNOWN_SHARE) * sphere.len() as f64
 }
 
 /// The components of the cells in which the vehicle gets as far, and of each cell its component.
