@@ -62,8 +62,6 @@ struct Directions {
     sky: Sky,
 }
 
-/// A sphere of fewer cells shows no way surely: gaps between its points may be ways, and ways none.
-const FEW_CELLS: usize = 400;
 /// A lidar that does not look everywhere may be tilted by as much for its answers to be sure.
 const MOST_TILT_RAD: f64 = 0.4;
 
@@ -157,7 +155,7 @@ impl Sky {
     /// Whether parts of the vehicle bound the room, a cloud has few points, or level ways may lie where a lidar does not look that is
     /// tilted by much.
     fn is_doubtful(&self) -> bool {
-        let is_sparse = self.sphere.len() < FEW_CELLS && self.sphere.rings().len() > 1;
+        let is_sparse = self.made_for == LEAST_CELLS && self.sphere.rings().len() > 1;
         let is_steep = self.tilt.transform_vector(&Vector3::z()).z < MOST_TILT_RAD.cos();
         self.own_m().is_some() || is_sparse || is_steep && ways::is_narrow(&self.sphere, &self.sight)
     }
