@@ -78,7 +78,10 @@ def counts(results: bytes) -> list[int]:
 
 def timeless(results: bytes) -> list[dict]:
     """The lines without stamps, which files of one cloud do not have, and the notes on them."""
-    return [{name: value for name, value in line.items() if name not in ("stamp_ns", "notes")} for line in lines(results)]
+    of_lines = [{name: value for name, value in line.items() if name not in ("stamp_ns", "notes")} for line in lines(results)]
+    for opening in (opening for line in of_lines for opening in line["steady"]["openings"]):
+        del opening["seen_ns"]
+    return of_lines
 
 
 def single_clouds(folder: Path, cloud) -> Iterator[tuple[str, Path]]:
