@@ -284,7 +284,8 @@ def results(path: str | os.PathLike[str]) -> pyarrow.Table:
         from pyarrow import json
 
     here = pa.struct([("kind", pa.string()), ("ways", pa.list_(pa.int64())), ("confidence", pa.float64())])
-    followed = pa.struct([("track", pa.int64()), ("bearing_rad", pa.float64()), ("width_m", pa.float64())])
+    numbers = [(name, pa.float64()) for name in ("bearing_rad", "width_m", "p")]
+    followed = pa.struct([("track", pa.int64()), *numbers, ("seen_ns", pa.int64())])
     steady = pa.struct([("junctions", pa.int64()), ("here", here), ("openings", pa.list_(followed))])
     wall = [
         ("id", pa.int64()),
