@@ -197,7 +197,7 @@ fn the_ways_of_a_cloud_stand_in_the_results_where_they_are_asked_for() {
     let path = flight.display().to_string();
     let summary = run(["run", &path, "--preset", "3d"]).stdout;
     assert!(summary.contains("cut by view") && summary.matches(" level ").count() == 2, "{summary}");
-    // Beside a preset that does not take clouds, before it and after it.
+    // Beside presets that do not take clouds.
     let confidence = |with: &[&str]| {
         let with = with.iter().flat_map(|with| ["--with", with]);
         let csv = run(["compare", &path, "--csv", "-"].into_iter().chain(with)).stdout;
@@ -281,7 +281,7 @@ fn a_cloud_of_a_tilted_lidar_on_a_tilted_vehicle_has_level_ways_and_ramps_as_the
     assert!(lines[0]["notes"].to_string().contains("taken to be level"), "{}", lines[0]["notes"]);
 }
 
-/// As directions are told by cells of 4.5°.
+/// Cells of directions are 4.5° wide.
 const MOST_OFF_RAD: f64 = 0.09;
 
 #[test]

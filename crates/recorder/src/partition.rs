@@ -82,7 +82,8 @@ pub(crate) fn log_blocks(rows: &mut Rows, frame: &Frame, order: &BeamOrder, clas
     rows.log(&KMEANS_BLOCKS, &LineStrips2D::new(frames).with_class_ids(colors));
 }
 
-/// Class, first place and place after the last of each run of equal classes, of which each takes so many pixels. Gaps of [`GAP`] places or more end a run.
+/// Class, first place and place after the last of each run of equal classes; each class takes `pixels` places. Gaps of [`GAP`]
+/// places or more end a run.
 pub(crate) fn runs(classes: &[u16], places: &[usize], pixels: usize) -> Vec<(u16, usize, usize)> {
     let placed: Vec<(u16, usize)> = classes.iter().copied().zip(places.iter().copied()).collect();
     let joined = |a: &(u16, usize), b: &(u16, usize)| a.0 == b.0 && b.1 - a.1 <= GAP.max(pixels);

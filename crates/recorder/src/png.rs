@@ -49,7 +49,7 @@ impl Picture {
         self.rows.resize(height * (width + FILTER_BYTES), 0);
     }
 
-    /// Sets a square of so many pixels a side from row `i` and column `j` on.
+    /// Sets a square from row `i` and column `j` on, `pixels` wide and high.
     pub(crate) fn set(&mut self, i: usize, j: usize, pixels: usize, level: u8) {
         for row in i..i + pixels {
             let first = row * (self.width + FILTER_BYTES) + FILTER_BYTES + j;

@@ -56,34 +56,28 @@ impl Classes {
     }
 }
 
-/// The class that was seen last at each place: in each direction, or by each beam.
-#[derive(Clone)]
+/// The classes of walls and of ways on from revolution to revolution.
+#[derive(Clone, Default)]
 pub(crate) struct Tracks {
-    pub(crate) seen: Vec<Option<u16>>,
-    /// The same of ways on.
-    ways: Vec<Option<u16>>,
+    walls: LastSeen,
+    ways: LastSeen,
 }
 
-impl Default for Tracks {
+/// The class that was seen last at each place: in each direction, or by each beam.
+#[derive(Clone)]
+pub(crate) struct LastSeen(pub(crate) Vec<Option<u16>>);
+
+impl Default for LastSeen {
     fn default() -> Self {
-        Self::of(vec![None; BINS])
+        Self(vec![None; BINS])
     }
 }
 
 impl Tracks {
-    /// With the classes that walls were seen with.
-    pub(crate) fn of(seen: Vec<Option<u16>>) -> Self {
-        Self { seen, ways: vec![None; BINS] }
-    }
-
     /// The classes of the next revolution's walls. Walls and earlier classes are paired, those that share the most
     /// directions first. A wall without a pair gets a class that was not seen lately. As many walls as there are colours have one each.
     pub(crate) fn classes_of(&mut self, frame: &Frame) -> Classes {
-        let places = by_direction(frame);
-        let walls = self.match_walls(&places, number_of_walls(frame));
-        for (seen, wall) in self.seen.iter_mut().zip(places) {
-            *seen = wall.map(|wall| walls[wall as usize]).or(*seen);
-        }
+        let walls = self.walls.follow(&by_direction(frame), number_of_walls(frame));
         let wall_of = |i: usize| frame.junction.wall_of_return.get(i).copied().flatten();
         let returns = (0..frame.revolution.len()).map(|i| wall_of(i).map_or(NO_WALL, |wall| walls[wall as usize]));
         let mut classes = Classes { returns: returns.collect(), walls, ..Classes::default() };
@@ -110,14 +104,19 @@ impl Tracks {
             dual.rows().map(|(towards, of)| (place_of(&towards), numbers[of as usize])).collect();
         let mut places = vec![None; BINS];
         rows.iter().for_each(|(place, way)| places[*place] = way.or(places[*place]));
-        let seen = std::mem::take(&mut self.ways);
-        let tracks = Self { seen, ways: Vec::new() };
-        classes.ways = tracks.match_walls(&places, ways.len());
-        self.ways = tracks.seen;
-        for (seen, way) in self.ways.iter_mut().zip(places) {
-            *seen = way.map(|way| classes.ways[way as usize]).or(*seen);
-        }
+        classes.ways = self.ways.follow(&places, ways.len());
         classes.directions = Some(rows.iter().map(|(_, way)| classes.of_way(*way)).collect());
+    }
+}
+
+impl LastSeen {
+    /// The class of each of `walls` walls, of which one or none is seen at each place; those are what is seen last from now on.
+    fn follow(&mut self, places: &[Option<u32>], walls: usize) -> Vec<u16> {
+        let classes = self.match_walls(places, walls);
+        for (seen, wall) in self.0.iter_mut().zip(places) {
+            *seen = wall.map(|wall| classes[wall as usize]).or(*seen);
+        }
+        classes
     }
 
     /// The class of each of `walls` walls, of which one or none is seen at each place.
@@ -140,7 +139,7 @@ impl Tracks {
 
     /// Number of shared places, wall and class of each pair, the most places first.
     fn overlaps(&self, places: &[Option<u32>]) -> Vec<(Reverse<usize>, usize, u16)> {
-        let shared = places.iter().zip(&self.seen).filter_map(|(wall, class)| Some(((*wall)? as usize, (*class)?)));
+        let shared = places.iter().zip(&self.0).filter_map(|(wall, class)| Some(((*wall)? as usize, (*class)?)));
         let mut overlaps: Vec<_> =
             counts(shared).into_iter().map(|((wall, class), count)| (Reverse(count), wall, class)).collect();
         overlaps.sort_unstable();
@@ -152,7 +151,7 @@ impl Tracks {
     fn new_class(&self, taken: &Taken, beside: [Option<u16>; 2]) -> u16 {
         let allowed = || (0..NO_WALL).filter(|class| taken.allows(*class));
         let differs = |class: &u16| beside.iter().flatten().all(|other| other % COLORS != class % COLORS);
-        let is_fresh = |class: &u16| *class < COLORS / 2 && !self.seen.contains(&Some(*class));
+        let is_fresh = |class: &u16| *class < COLORS / 2 && !self.0.contains(&Some(*class));
         allowed().find(is_fresh).or_else(|| allowed().find(differs)).or_else(|| allowed().next()).unwrap_or(NO_WALL)
     }
 }

@@ -198,7 +198,7 @@ const LEGEND: &str = "In **1** and **2**, the *pink* line is the gap named here,
     *pink* ring is around what tips the count first. In **7**, *pink* arrows are openings with their free width; it is less than \
     the length from end to end.";
 
-/// The same where ways on are counted.
+/// What the colours of arrows, cells and labels mean where ways on are counted.
 const LEGEND_OF_WAYS: &str = "In **1**, arrows are ways on, and points in their directions have their colours. In **6**, *pink* is what parts \
     two ways: how far the vehicle gets there, of the distance with which they would be one. In **7**, *pink* arrows are openings of the \
     level view.";

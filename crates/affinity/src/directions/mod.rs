@@ -7,8 +7,8 @@
 //!    that it lies between two rings of the lidar. A cell shows the return that a quarter of its returns are nearer than, so that
 //!    dust does not count. Returns within half the vehicle's width are of the vehicle. A ring of cells at one elevation with returns
 //!    in fewer than half of them is not looked at, nor is one at the edge with fewer than half of the returns of the one beside it:
-//!    in a part of a cell, a few returns of dust would count. Elsewhere a cell without a return is open. Rings lie about the axis
-//!    of the lidar, as it is tilted.
+//!    in a part of a cell, a few returns of dust would count. Elsewhere a cell without a return is open. Rings lie about the
+//!    axis of the lidar, also of a tilted one.
 //! 2. **Room.** R is the radius of the largest ball that holds no return and whose centre lies in the one about the sensor.
 //! 3. **Reach.** F(e) is how far the vehicle's ball, of radius r, gets straight on in direction e: the least p·e - √(r² - |p -
 //!    (p·e) e|²) over the returns p that are nearer than r to the ray.

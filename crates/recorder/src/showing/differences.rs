@@ -22,7 +22,7 @@ use crate::schema::{
     AFFINITY_DEGREES, COLORS, Entity, KMEANS_LABELS, REPORT_CONFIDENCE, REPORT_JUNCTIONS, REPORT_LABELS,
     REPORT_SUMMARY, REPORT_WALLS, REPORT_WHY, SCAN_COUNT, SPECTRAL_K, TRUTH_WALLS,
 };
-use crate::tracks::Tracks;
+use crate::tracks::LastSeen;
 use crate::walls::Walls;
 use crate::why::source_in;
 
@@ -185,7 +185,7 @@ fn compared(rec: &RecordingStream, names: &[String; 2], recordings: [&Recording;
         let left = Walls::new(&a.places(seq, walls.len()), &walls, |id| class_of(&classes, id));
         let (walls, before) = b.walls(seq);
         let places = b.places(seq, walls.len());
-        let classes = Tracks::of(left.seen.clone()).match_walls(&places, walls.len());
+        let classes = LastSeen(left.seen.clone()).match_walls(&places, walls.len());
         let right = Walls::new(&places, &walls, |id| class_of(&classes, id));
         let texts = [a.text(REPORT_WHY, seq), b.text(REPORT_WHY, seq)];
         let recolored: Vec<[u16; 2]> = before.into_iter().zip(classes).map(|(old, new)| [old, new]).collect();
