@@ -12,6 +12,9 @@
 //! is believed, and at most as sure as the surest of the revolutions that gave it, of which q counts (1 - p) times as much
 //! with each one since.
 
+/// Another answer holds once it is believed this many times as much as the one that held.
+const ODDS: f64 = 20.0;
+
 /// The place changes once in this way (D), and in this time (T) also if the vehicle stands: people and doors move.
 const WAY_M: f64 = 3.0;
 const TIME_S: f64 = 50.0;
@@ -109,8 +112,6 @@ fn normalise<A>(weights: &mut [(A, f64)]) {
 /// The beliefs in the answers that were given, and the answer that holds.
 #[derive(Clone, Debug)]
 pub(crate) struct Belief<A> {
-    /// Another answer holds once it is believed this many times as much as the one that held.
-    odds: f64,
     holds: Option<A>,
     /// The belief in each answer (b).
     beliefs: Vec<(A, f64)>,
@@ -118,11 +119,13 @@ pub(crate) struct Belief<A> {
     surest: Vec<(A, f64)>,
 }
 
-impl<A: Copy + PartialEq> Belief<A> {
-    pub(crate) fn new(odds: f64) -> Self {
-        Self { odds, holds: None, beliefs: Vec::new(), surest: Vec::new() }
+impl<A> Default for Belief<A> {
+    fn default() -> Self {
+        Self { holds: None, beliefs: Vec::new(), surest: Vec::new() }
     }
+}
 
+impl<A: Copy + PartialEq> Belief<A> {
     /// The answer that holds; `None` before the first.
     pub(crate) fn holds(&self) -> Option<A> {
         self.holds
@@ -148,7 +151,7 @@ impl<A: Copy + PartialEq> Belief<A> {
         let held = self.holds.map_or(0.0, |answer| of_answer(&self.beliefs, answer));
         // Of equal ones the first.
         let likeliest = self.beliefs.iter().rev().max_by(|a, b| a.1.total_cmp(&b.1));
-        if let Some((answer, _)) = likeliest.filter(|(_, belief)| *belief > self.odds * held) {
+        if let Some((answer, _)) = likeliest.filter(|(_, belief)| *belief > ODDS * held) {
             self.holds = Some(*answer);
         }
         if self.beliefs.len() > MOST_KEPT {
@@ -181,7 +184,7 @@ mod tests {
 
     /// The answers that hold after each of those of the revolutions.
     fn held(answers: &[(usize, f64)], since: Since) -> Vec<usize> {
-        let mut belief = Belief::new(100.0);
+        let mut belief = Belief::default();
         let held = |&(answer, confidence): &(usize, f64)| {
             belief.add(Answered { answer, confidence, since });
             belief.holds().expect("there is an answer")
@@ -214,7 +217,7 @@ mod tests {
 
     #[test]
     fn many_doubtful_views_make_no_sure_answer_and_one_sure_view_fades_with_the_way() {
-        let mut belief = Belief::new(100.0);
+        let mut belief = Belief::default();
         let mut sure_after = |confidence, count| {
             (0..count).for_each(|_| belief.add(Answered { answer: 3, confidence, since: FLYING }));
             belief.confidence(3, Since { way_m: 0.0, time_s: 0.0 })
@@ -229,7 +232,7 @@ mod tests {
 
     #[test]
     fn the_number_of_answers_that_are_kept_is_bounded() {
-        let mut belief = Belief::new(100.0);
+        let mut belief = Belief::default();
         (0..1000).for_each(|i| belief.add(Answered { answer: i, confidence: 0.9, since: FLYING }));
         assert!(belief.beliefs.len() <= MOST_KEPT && belief.holds().is_some());
     }

@@ -3,9 +3,12 @@
 use crosscut_stage::{Frame, ParamSpec, Params};
 
 use crate::FlightAnswer;
+use crate::beyond::Beyond;
 use crate::here::{PLACE_PARAMS, Places};
 use crate::pose::{POSE_PARAMS, PoseTracker};
+use crate::rays::Rays;
 use crate::steady::Steadier;
+use crate::surroundings::Surroundings;
 
 /// Section `flight` of the configuration.
 pub const PARAMS: &[ParamSpec] = &{
@@ -28,6 +31,8 @@ pub const PARAMS: &[ParamSpec] = &{
 pub struct Flight {
     poses: PoseTracker,
     places: Places,
+    surroundings: Surroundings,
+    beyond: Beyond,
     steadier: Steadier,
 }
 
@@ -37,6 +42,8 @@ impl Flight {
         Self {
             poses: PoseTracker::new(params),
             places: Places::new(params, vehicle_width_m),
+            surroundings: Surroundings::default(),
+            beyond: Beyond::new(vehicle_width_m),
             steadier: Steadier::default(),
         }
     }
@@ -45,14 +52,22 @@ impl Flight {
     /// added to those that are there.
     pub fn add(&mut self, frame: &mut Frame) {
         let tracked = self.poses.add(&frame.revolution, &mut frame.notes);
-        let pose = tracked.map(|tracked| tracked.pose);
         if tracked.is_some_and(|tracked| tracked.lost) {
-            self.places.forget();
+            self.surroundings.clear();
         }
-        let here = self.places.here(&frame.revolution, &frame.junction, tracked.as_ref());
-        let doubt = tracked.map(|tracked| tracked.doubt);
+        let (revolution, junction) = (&frame.revolution, &frame.junction);
+        let (mut here, mut openings) = (None, Vec::new());
+        if let Some((sweep, rays)) = revolution.beams().zip(Rays::of(revolution, junction)) {
+            if let Some(tracked) = &tracked {
+                self.surroundings.add(tracked, revolution.stamp_ns, &rays);
+            }
+            let seen = tracked.as_ref().map(|tracked| (&self.surroundings, &tracked.pose));
+            openings = self.beyond.openings(junction, revolution.stamp_ns, &rays, seen);
+            here = self.places.here(sweep, junction, rays, seen);
+        }
+        let (pose, doubt) = (tracked.map(|tracked| tracked.pose), tracked.map(|tracked| tracked.doubt));
         let mut answer = FlightAnswer { pose, doubt, here, steady: None };
-        answer.steady = self.steadier.add(frame, &answer);
+        answer.steady = self.steadier.add(frame, &answer, &openings);
         answer.put(frame);
     }
 }

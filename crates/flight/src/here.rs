@@ -23,12 +23,10 @@
 //! - Three ways and more are a junction, two a passage, one a dead end; none, or up to two of a place that is more than
 //!   1.5 times as wide as they are, a chamber.
 
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI};
 
-use crosscut_stage::{
-    Beam, Junction, Number, Opening, ParamSpec, Params, Revolution, Sweep, View, unit, widest_run, wrap_angle_rad,
-};
-use nalgebra::Vector2;
+use crosscut_stage::{Junction, Number, Opening, ParamSpec, Params, Sweep, unit, widest_run, wrap_angle_rad};
+use nalgebra::{Isometry2, Vector2};
 
 use crate::{Here, HereKind, Way};
 
@@ -44,8 +42,8 @@ const LEAST_LOOK_WIDTHS: f64 = 2.5;
 /// The look is never longer, so that in a hall it stays where walls have enough returns.
 const FARTHEST_LOOK_M: f64 = 12.0;
 
-use crate::Tracked;
-use crate::surroundings::{REACH_M, Ray, RayEnd, Surroundings};
+use crate::rays::{Ray, RayEnd, Rays};
+use crate::surroundings::{REACH_M, Surroundings};
 
 /// Parameters of the place.
 pub(crate) const PLACE_PARAMS: [ParamSpec; 1] = [LOOK_WIDTHS.spec];
@@ -64,9 +62,6 @@ const LEAST_MOUTH_WIDTHS: f64 = 0.25;
 
 /// Behind a mouth without an opening some beam reaches this many times the radius of the circle.
 const LEAST_REACH: f64 = 1.05;
-
-/// Returns of one wall that are a wider angle apart are not joined.
-const MAX_JOINED_RAD: f64 = 2.6;
 
 /// Rock between two mouths that is narrower than this on the circle does not part them.
 const LEAST_ROCK_M: f64 = 0.3;
@@ -88,40 +83,37 @@ const UNSEEN_CONFIDENCE: f64 = 0.5;
 const CHAMBER_WIDTHS: f64 = 1.5;
 
 /// Finds the place that the vehicle is in.
-#[derive(Clone, Debug)]
-pub struct Places {
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Places {
     look_widths: f64,
     vehicle_width_m: f64,
-    surroundings: Surroundings,
 }
 
 impl Places {
     /// From checked values of [`PARAMS`](crate::PARAMS), for a vehicle of this width.
-    pub fn new(params: &Params, vehicle_width_m: f64) -> Self {
-        Self { look_widths: params.get(LOOK_WIDTHS), vehicle_width_m, surroundings: Surroundings::default() }
+    pub(crate) fn new(params: &Params, vehicle_width_m: f64) -> Self {
+        Self { look_widths: params.get(LOOK_WIDTHS), vehicle_width_m }
     }
 
-    /// What earlier scans saw is forgotten: the poses that follow do not go with those before.
-    pub fn forget(&mut self) {
-        self.surroundings.clear();
-    }
-
-    /// The place of the next revolution with its report and its pose; `None` for a cloud, where no wall is in view, and
-    /// beside one wall alone; and for a limited view that has not seen enough around it yet, or has no pose.
-    pub fn here(&mut self, revolution: &Revolution, junction: &Junction, tracked: Option<&Tracked>) -> Option<Here> {
-        let sweep = revolution.beams()?;
+    /// The place of the next revolution with its rays and its report, and with what was seen around its pose; `None` beside one
+    /// wall alone, and for a limited view that has not seen enough around it yet, or has no pose.
+    pub(crate) fn here(
+        &self,
+        sweep: &Sweep,
+        junction: &Junction,
+        mut rays: Rays,
+        seen: Option<(&Surroundings, &Isometry2<f64>)>,
+    ) -> Option<Here> {
         let view = sweep.view();
-        let mut outline = Outline::of(revolution, sweep, junction, view)?;
         // A mouth shows where beams leave the look.
         let mut farthest_look_m = FARTHEST_LOOK_M.min(sweep.range_max_m / FARTHEST_REACH);
         if !view.full_turn {
-            let tracked = tracked?;
+            let (surroundings, pose) = seen?;
             farthest_look_m = farthest_look_m.min(REACH_M / FARTHEST_REACH);
-            self.surroundings.add(tracked, &outline.rays);
             let reach_m = farthest_look_m * FARTHEST_REACH;
-            outline.look_back(sweep.step_rad, |bearing_rad| self.surroundings.ray(&tracked.pose, bearing_rad, reach_m));
+            rays.look_back(sweep.step_rad, |bearing_rad| surroundings.ray(pose, bearing_rad, reach_m));
         }
-        let width_m = outline.local_width_m();
+        let width_m = rays.local_width_m();
         // In a wide place the ways are as wide as its openings: a look of its own width would see a short one end.
         let opening_m = junction.openings.iter().map(|opening| opening.width_m).max_by(f64::total_cmp);
         let passage_m = opening_m.map_or(width_m, |opening_m| opening_m.min(width_m));
@@ -129,7 +121,7 @@ impl Places {
             (0.5 * width_m + (self.look_widths - 0.5) * passage_m).max(LEAST_LOOK_WIDTHS * self.vehicle_width_m);
         let look_m = wanted_m.min(farthest_look_m);
         let [place, shorter, longer] =
-            LOOKS.map(|times| outline.place(times * look_m, width_m, self.vehicle_width_m, &junction.openings));
+            LOOKS.map(|times| rays.place(times * look_m, width_m, self.vehicle_width_m, &junction.openings));
         let LookResult { kind, ways, is_seen } = place?;
         let is_alike = |other: &Option<LookResult>| {
             other.as_ref().is_some_and(|other| (other.kind, other.ways.len()) == (kind, ways.len()))
@@ -140,7 +132,7 @@ impl Places {
         // In a hall that is wider than the look any part is its middle; a limited view shows none, as what it sees behind is not
         // as sure as what lies ahead.
         let middle_m = (MIDDLE_LOOKS * self.look_widths * width_m).min(look_m);
-        let middle = outline.place(middle_m, width_m, self.vehicle_width_m, &junction.openings);
+        let middle = rays.place(middle_m, width_m, self.vehicle_width_m, &junction.openings);
         let is_middle = view.full_turn && middle.is_some_and(|middle| middle.ways.len() == ways.len());
         Some(Here { kind, look_m, ways, is_middle, confidence })
     }
@@ -155,85 +147,7 @@ struct LookResult {
     is_seen: bool,
 }
 
-/// How far each direction is free.
-struct Outline {
-    /// Ascending by bearing, anticlockwise from the first, over less than a turn.
-    rays: Vec<Ray>,
-}
-
-impl Outline {
-    /// The returns of walls alone: islands and dust hide nothing that matters here.
-    fn of(revolution: &Revolution, sweep: &Sweep, junction: &Junction, view: View) -> Option<Self> {
-        let last = (view.first + view.len).checked_sub(1)? % (sweep.len() + sweep.missing).max(1);
-        let &first_rad = sweep.bearings_rad.get(if view.clockwise { last } else { view.first })?;
-        let step_rad = sweep.step_rad;
-        let is_island = |id: u32| junction.walls.iter().any(|wall| wall.id == id && wall.island);
-        let wall_of = |number: u32| junction.wall_of_return.get(number as usize).copied().flatten();
-        let beams: Vec<Beam> = sweep.anticlockwise(view).collect();
-        let of_wall = |(at, beam): (usize, &Beam)| match *beam {
-            Beam::Return(number) => {
-                let wall = wall_of(number).filter(|&id| !is_island(id))?;
-                Some((at, wall, revolution.range_m(number as usize)))
-            }
-            Beam::NoReturn | Beam::Unknown => None,
-        };
-        let returns: Vec<(usize, u32, f64)> = beams.iter().enumerate().filter_map(of_wall).collect();
-        let dark_m = |beam: &Beam| (*beam == Beam::NoReturn).then_some((sweep.range_max_m, RayEnd::Range));
-        let mut free: Vec<Option<(f64, RayEnd)>> = beams.iter().map(dark_m).collect();
-        for (&(at, wall, from_m), &(next, next_wall, to_m)) in returns.iter().zip(returns.iter().cycle().skip(1)) {
-            free[at] = Some((from_m, RayEnd::Wall(wall)));
-            let apart = if next > at { next - at } else { next + beams.len() - at };
-            let apart_rad = apart as f64 * step_rad;
-            let is_past_the_view = next <= at && !view.full_turn;
-            if wall != next_wall || apart_rad > MAX_JOINED_RAD || is_past_the_view {
-                continue;
-            }
-            for beam in 1..apart {
-                let turn_rad = beam as f64 * step_rad;
-                // Where the beam meets the line from the one return to the other.
-                let across_m = from_m * turn_rad.sin() + to_m * (apart_rad - turn_rad).sin();
-                let joined_m = from_m * to_m * apart_rad.sin() / across_m;
-                free[(at + beam) % beams.len()] = Some((joined_m, RayEnd::Wall(wall)));
-            }
-        }
-        let known = free.into_iter().enumerate().filter_map(|(at, free)| {
-            let (free_m, end) = free?;
-            Some(Ray { bearing_rad: first_rad + at as f64 * step_rad, free_m, end })
-        });
-        (!returns.is_empty()).then(|| Self { rays: known.collect() })
-    }
-
-    /// Adds the directions that are outside the view.
-    fn look_back(&mut self, step_rad: f64, ray: impl Fn(f64) -> Ray) {
-        let (Some(first), Some(last)) = (self.rays.first(), self.rays.last()) else { return };
-        let (from_rad, to_rad) = (last.bearing_rad + step_rad, first.bearing_rad + TAU - 0.5 * step_rad);
-        let unseen =
-            (0..).map(|at| from_rad + f64::from(at) * step_rad).take_while(|&bearing_rad| bearing_rad < to_rad);
-        self.rays.extend(unseen.map(ray));
-    }
-
-    /// The ray that is nearest to a bearing.
-    fn at(&self, bearing_rad: f64) -> usize {
-        let turned_rad = self.after_first_rad(bearing_rad);
-        self.beside(turned_rad, self.rays.partition_point(|ray| ray.bearing_rad < turned_rad))
-    }
-
-    /// A bearing, counted from that of the first ray on over a turn.
-    fn after_first_rad(&self, bearing_rad: f64) -> f64 {
-        let first_rad = self.rays[0].bearing_rad;
-        first_rad + (bearing_rad - first_rad).rem_euclid(TAU)
-    }
-
-    /// The ray that is nearest to a bearing, of the one `after` it and the one before that.
-    fn beside(&self, turned_rad: f64, after: usize) -> usize {
-        let (before, after) = (after.saturating_sub(1), after % self.rays.len());
-        let apart_rad = |at: usize| {
-            let apart_rad = (self.rays[at].bearing_rad - turned_rad).rem_euclid(TAU);
-            apart_rad.min(TAU - apart_rad)
-        };
-        if apart_rad(before) <= apart_rad(after) { before } else { after }
-    }
-
+impl Rays {
     /// The shortest free line through the sensor.
     fn local_width_m(&self) -> f64 {
         let mut after = 0;
@@ -369,16 +283,6 @@ impl Outline {
         // From the ray before a run to the one after it.
         runs.retain(|run| self.arc_m(run.first - 1, run.first + run.len, look_m) >= least_m);
         runs
-    }
-
-    /// The length of the circle's arc from one ray to another, both counted beyond a turn.
-    fn arc_m(&self, from: usize, to: usize, look_m: f64) -> f64 {
-        look_m * (self.bearing_rad(to) - self.bearing_rad(from))
-    }
-
-    /// The bearing of a ray counted beyond a turn.
-    fn bearing_rad(&self, at: usize) -> f64 {
-        self.rays[at % self.rays.len()].bearing_rad + (at / self.rays.len()) as f64 * TAU
     }
 }
 

@@ -1,14 +1,11 @@
 //! The answer over the last revolutions, and openings that are followed from one to the next.
 
-use crosscut_stage::{Frame, Known, Opening, wrap_angle_rad};
+use crosscut_stage::{Frame, Junction, wrap_angle_rad};
 use nalgebra::Isometry2;
 
 use crate::belief::{Answered, Belief, Since, elapsed_s};
+use crate::beyond::KnownOpening;
 use crate::{FlightAnswer, Here, HereKind, Steady, SteadyOpening, Way};
-
-/// Another count, and another place, hold once they are believed this many times as much as those that held.
-const COUNT_ODDS: f64 = 100.0;
-const PLACE_ODDS: f64 = 20.0;
 
 /// The way of a vehicle whose pose is not known, in a second.
 const USUAL_SPEED_M_S: f64 = 1.0;
@@ -26,7 +23,7 @@ const MOST_TURNED_RAD: f64 = 0.35;
 const MOST_MISSED: u32 = 10;
 
 /// Follows the answers of a flight.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Steadier {
     /// That of the last pose.
     stretch: u32,
@@ -76,24 +73,10 @@ struct Track {
     missed: u32,
 }
 
-impl Default for Steadier {
-    fn default() -> Self {
-        Self {
-            stretch: 0,
-            before: Before::default(),
-            junctions: Belief::new(COUNT_ODDS),
-            place: Belief::new(PLACE_ODDS),
-            tracks: Vec::new(),
-            next_track: 0,
-            shown: Vec::new(),
-            here: None,
-        }
-    }
-}
-
 impl Steadier {
-    /// The steady answer at the next revolution, whose pose and place `flown` holds; `None` until a revolution has returns.
-    pub(crate) fn add(&mut self, frame: &Frame, flown: &FlightAnswer) -> Option<Steady> {
+    /// The steady answer at the next revolution, whose pose and place `flown` holds, with its openings by all that was seen; `None` until a
+    /// revolution has returns.
+    pub(crate) fn add(&mut self, frame: &Frame, flown: &FlightAnswer, openings: &[KnownOpening]) -> Option<Steady> {
         // Revolutions of a new stretch do not go with those before.
         let stretch = flown.doubt.map(|doubt| doubt.stretch);
         if let Some(stretch) = stretch.filter(|stretch| *stretch != self.stretch) {
@@ -105,8 +88,8 @@ impl Steadier {
         if !frame.revolution.is_empty() {
             let junction = &frame.junction;
             let since = now.since(self.before.count.replace(now));
-            let (answer, confidence) = (junction.junctions, junction.confidence.unwrap_or(0.0));
-            let tracks = self.follow(&junction.openings, yaw_rad, now.stamp_ns);
+            let (answer, confidence) = (count(junction, openings), junction.confidence.unwrap_or(0.0));
+            let tracks = self.follow(openings, yaw_rad);
             self.junctions.add(Answered { answer, confidence, since });
             if self.junctions.holds() == Some(answer) {
                 self.shown.clone_from(&tracks);
@@ -116,7 +99,11 @@ impl Steadier {
                 let answer = (here.kind, here.ways.len());
                 self.place.add(Answered { answer, confidence: here.confidence, since });
                 if self.place.holds() == Some(answer) {
-                    let of_ways = here.ways.iter().map(|way| way.opening.map(|index| tracks[index])).collect();
+                    let track_of = |index| {
+                        let at = openings.iter().position(|opening| opening.index == Some(index));
+                        at.map(|at| tracks[at])
+                    };
+                    let of_ways = here.ways.iter().map(|way| way.opening.and_then(track_of)).collect();
                     let fixed = |way: &Way| Way { bearing_rad: way.bearing_rad + yaw_rad, ..*way };
                     let ways = here.ways.iter().map(fixed).collect();
                     self.here = Some((Here { ways, ..*here }, of_ways));
@@ -131,10 +118,10 @@ impl Steadier {
     }
 
     /// The track of each opening. The nearest in bearing are joined first.
-    fn follow(&mut self, openings: &[Opening], yaw_rad: f64, stamp_ns: u64) -> Vec<u64> {
-        let direction_rad = |opening: &Opening| wrap_angle_rad(opening.bearing_rad + yaw_rad);
+    fn follow(&mut self, openings: &[KnownOpening], yaw_rad: f64) -> Vec<u64> {
+        let direction_rad = |opening: &KnownOpening| wrap_angle_rad(opening.bearing_rad + yaw_rad);
         let turned_rad =
-            |track: &Track, opening: &Opening| wrap_angle_rad(direction_rad(opening) - track.opening.bearing_rad);
+            |track: &Track, opening: &KnownOpening| wrap_angle_rad(direction_rad(opening) - track.opening.bearing_rad);
         let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
         for (at, track) in self.tracks.iter().enumerate() {
             let near =
@@ -149,20 +136,19 @@ impl Steadier {
                 (track_of[index], self.tracks[at].missed) = (Some(at), 0);
             }
         }
-        let followed = |(before, opening): (Option<usize>, &Opening)| {
+        let followed = |(before, opening): (Option<usize>, &KnownOpening)| {
             let before = before.map(|at| self.tracks[at].opening);
             let new = || {
                 self.next_track += 1;
                 self.next_track - 1
             };
             let track = before.map_or_else(new, |before| before.track);
-            let seen_ns = (opening.known == Known::Seen).then_some(stamp_ns);
             SteadyOpening {
                 track,
                 bearing_rad: direction_rad(opening),
                 width_m: opening.width_m,
                 p: opening.p,
-                seen_ns: seen_ns.or(before.and_then(|before| before.seen_ns)),
+                seen_ns: opening.seen_ns.or(before.and_then(|before| before.seen_ns)),
             }
         };
         let seen: Vec<SteadyOpening> = track_of.iter().copied().zip(openings).map(followed).collect();
@@ -202,4 +188,10 @@ impl Steadier {
         ways.sort_by(|a, b| a.bearing_rad.total_cmp(&b.bearing_rad));
         Some(Here { confidence, ways, ..*here })
     }
+}
+
+/// The number of walls, with other openings than those of the scan: as many more or fewer, and never less than one.
+fn count(junction: &Junction, openings: &[KnownOpening]) -> usize {
+    let walls = |openings: usize| openings.max(1);
+    (junction.junctions + walls(openings.len())).saturating_sub(walls(junction.openings.len()))
 }

@@ -8,13 +8,14 @@ use crosscut_stage::{PoseDoubt, unit};
 use nalgebra::{Isometry2, Point2, Vector2};
 
 use crate::Tracked;
+use crate::rays::{Ray, RayEnd, Rays};
 
 /// Side of a cell.
-const CELL_M: f64 = 0.1;
+pub(crate) const CELL_M: f64 = 0.1;
 
 /// Cells farther from the vehicle than this are forgotten, along each axis.
 const RADIUS_M: f64 = 16.1;
-const SIDE: usize = (2.0 * RADIUS_M / CELL_M) as usize;
+pub(crate) const SIDE: usize = (2.0 * RADIUS_M / CELL_M) as usize;
 
 /// The vehicle moves within the cells; once it is this far from their middle, they are laid around it again.
 const OFF_MIDDLE_M: f64 = 1.5;
@@ -36,8 +37,10 @@ const MOST_OFF_M: f64 = 0.25;
 const JOINED_M: f64 = 1.2;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum CellState {
+pub(crate) enum CellState {
     Never,
+    /// Beams passed through, and none of them came back: it is free, or rock beyond is dark and beams were lost on the way.
+    Dark,
     Free,
     Wall,
 }
@@ -48,32 +51,11 @@ const MOST_ODDS: i8 = 3;
 /// A cell.
 #[derive(Clone, Copy, Debug, Default)]
 struct SeenCell {
-    /// How many more of the last scans saw a wall here than free space; below 0 the other way round.
+    /// How many more of the last scans saw a wall here than free space; below 0 the other way round, and 0 also of beams that did not come
+    /// back.
     odds: i8,
     /// The last scan that saw it, counted from 1; scan 0 is none.
     scan: u32,
-}
-
-/// One direction of a view.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Ray {
-    pub(crate) bearing_rad: f64,
-    /// Nothing stands nearer than this.
-    pub(crate) free_m: f64,
-    pub(crate) end: RayEnd,
-}
-
-/// What is at the end of the free part of a ray.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum RayEnd {
-    /// A wall, with its number in the scan.
-    Wall(u32),
-    /// A wall that an earlier scan saw.
-    WallBefore,
-    /// The range of the sensor.
-    Range,
-    /// What was not seen.
-    Unknown,
 }
 
 /// The cells around the vehicle.
@@ -83,8 +65,8 @@ pub(crate) struct Surroundings {
     /// The cell of the corner with the least coordinates, in whole numbers.
     corner: Vector2<f64>,
     added_from: Option<Isometry2<f64>>,
-    /// The doubt of the poses of the scans that are not forgotten.
-    doubts: VecDeque<PoseDoubt>,
+    /// Of the scans that are not forgotten: the doubt of the pose, and the stamp.
+    scans: VecDeque<(PoseDoubt, u64)>,
     /// How many scans were forgotten.
     forgotten: u32,
 }
@@ -92,20 +74,20 @@ pub(crate) struct Surroundings {
 impl Surroundings {
     /// Forgets everything: the poses have a new beginning.
     pub(crate) fn clear(&mut self) {
-        self.forgotten = self.forgotten.saturating_add(self.doubts.len() as u32);
-        self.doubts.clear();
+        self.forgotten = self.forgotten.saturating_add(self.scans.len() as u32);
+        self.scans.clear();
         self.added_from = None;
     }
 
     /// Adds a view from a pose, its rays by bearing; those of walls end at a wall.
-    pub(crate) fn add(&mut self, Tracked { pose, doubt, .. }: &Tracked, rays: &[Ray]) {
+    pub(crate) fn add(&mut self, Tracked { pose, doubt, .. }: &Tracked, stamp_ns: u64, rays: &Rays) {
         let place_m = Point2::from(pose.translation.vector);
-        let is_certain = |before: &PoseDoubt| {
+        let is_certain = |(before, _): &(PoseDoubt, u64)| {
             let sd_m = doubt.since(before).and_then(|since| since.sd_m(place_m));
             sd_m.is_some_and(|sd_m| sd_m <= MOST_OFF_M)
         };
-        while self.doubts.front().is_some_and(|before| !is_certain(before)) {
-            self.doubts.pop_front();
+        while self.scans.front().is_some_and(|before| !is_certain(before)) {
+            self.scans.pop_front();
             self.forgotten += 1;
         }
         if let Some(from) = self.added_from {
@@ -115,40 +97,41 @@ impl Surroundings {
             }
         }
         self.added_from = Some(*pose);
-        self.doubts.push_back(*doubt);
+        self.scans.push_back((*doubt, stamp_ns));
         self.surround(pose);
-        let scan = self.forgotten.saturating_add(self.doubts.len() as u32);
+        let scan = self.forgotten.saturating_add(self.scans.len() as u32);
         let reach_m = |ray: &Ray| ray.free_m.min(REACH_M);
         // A wall that a scan sees is not free in it, although other beams pass through its cell.
-        for pair in rays.windows(2) {
-            let [from, to] = [&pair[0], &pair[1]].map(|ray| unit(ray.bearing_rad) * ray.free_m);
+        for (first, next, _) in rays.pairs() {
+            let [from, to] = [first, next].map(|ray| unit(ray.bearing_rad) * ray.free_m);
             let is_wall = |ray: &Ray| matches!(ray.end, RayEnd::Wall(_)) && ray.free_m <= reach_m(ray);
-            if !is_wall(&pair[0]) || !is_wall(&pair[1]) {
+            if !is_wall(first) || !is_wall(next) {
                 continue;
             }
-            let parts = if are_joined(pair) { ((to - from).norm() / CELL_M).ceil().max(1.0) } else { 1.0 };
+            let parts = if are_joined(first, next) { ((to - from).norm() / CELL_M).ceil().max(1.0) } else { 1.0 };
             for part in 0..=parts as usize {
                 let wall = from + (to - from) * (part as f64 / parts);
                 let place_m = (pose * Point2::from(wall)).coords;
-                set(&mut self.cells, self.corner, [self.forgotten, scan], place_m, true);
+                set(&mut self.cells, self.corner, [self.forgotten, scan], place_m, CellState::Wall);
             }
         }
-        for pair in rays.windows(2) {
-            let turned_rad = pair[1].bearing_rad - pair[0].bearing_rad;
-            let (from_m, to_m) = (reach_m(&pair[0]), reach_m(&pair[1]));
+        for (first, next, turned_rad) in rays.pairs() {
+            let (from_m, to_m) = (reach_m(first), reach_m(next));
             // Between neighbours that see one wall it runs from the one to the other, else the nearer one counts.
-            let is_one_wall = are_joined(pair);
+            let is_dark = [first, next].iter().any(|ray| ray.end == RayEnd::Range);
+            let seen = if is_dark { CellState::Dark } else { CellState::Free };
+            let is_one_wall = are_joined(first, next);
             let parts = (from_m.max(to_m) * turned_rad / CELL_M).ceil().max(1.0);
             for part in 0..parts as usize {
                 let share = part as f64 / parts;
                 let free_m = if is_one_wall { from_m + (to_m - from_m) * share } else { from_m.min(to_m) };
-                let direction = pose.rotation * unit(pair[0].bearing_rad + turned_rad * share);
+                let direction = pose.rotation * unit(first.bearing_rad + turned_rad * share);
                 let steps = (free_m / CELL_M).ceil() as usize;
                 // Nearer to the sensor than half of the way every other part is enough, than a quarter every fourth.
-                let first = if part == 0 { 0 } else { steps >> (part.trailing_zeros() + 1) };
-                for step in first..steps {
+                let nearest = if part == 0 { 0 } else { steps >> (part.trailing_zeros() + 1) };
+                for step in nearest..steps {
                     let place_m = pose.translation.vector + direction * (step as f64 * CELL_M);
-                    set(&mut self.cells, self.corner, [self.forgotten, scan], place_m, false);
+                    set(&mut self.cells, self.corner, [self.forgotten, scan], place_m, seen);
                 }
             }
         }
@@ -160,7 +143,7 @@ impl Surroundings {
         let mut free_m = RAY_FROM_M;
         while free_m < farthest_m {
             match self.at(pose.translation.vector + direction * free_m) {
-                CellState::Free => free_m += 0.5 * CELL_M,
+                CellState::Free | CellState::Dark => free_m += 0.5 * CELL_M,
                 CellState::Wall => return Ray { bearing_rad, free_m, end: RayEnd::WallBefore },
                 CellState::Never => return Ray { bearing_rad, free_m, end: RayEnd::Unknown },
             }
@@ -175,7 +158,7 @@ impl Surroundings {
         if !self.cells.is_empty() && off.amax() <= OFF_MIDDLE_M / CELL_M {
             return;
         }
-        if self.doubts.len() > 1 {
+        if self.scans.len() > 1 {
             let mut cells = vec![SeenCell::default(); SIDE * SIDE];
             for y in 0..SIDE {
                 for x in 0..SIDE {
@@ -193,12 +176,33 @@ impl Surroundings {
     }
 
     fn at(&self, place_m: Vector2<f64>) -> CellState {
-        let cell = index_of(self.corner, place_m).and_then(|at| self.cells.get(at)).copied().unwrap_or_default();
-        match cell {
+        self.state_of(index_of(self.corner, place_m))
+    }
+
+    fn state_of(&self, index: Option<usize>) -> CellState {
+        match index.and_then(|at| self.cells.get(at)).copied().unwrap_or_default() {
             SeenCell { scan, .. } if scan <= self.forgotten => CellState::Never,
             SeenCell { odds: 1.., .. } => CellState::Wall,
+            SeenCell { odds: 0, .. } => CellState::Dark,
             SeenCell { .. } => CellState::Free,
         }
+    }
+
+    /// The corner of the cells with the least coordinates, metres.
+    pub(crate) fn corner_m(&self) -> Vector2<f64> {
+        self.corner * CELL_M
+    }
+
+    /// What was seen in a cell, counted from the corner along both axes.
+    pub(crate) fn state(&self, x: usize, y: usize) -> CellState {
+        self.state_of((x < SIDE && y < SIDE).then_some(y * SIDE + x))
+    }
+
+    /// The stamp of the last scan that saw a cell, counted as above.
+    pub(crate) fn seen_ns(&self, x: usize, y: usize) -> Option<u64> {
+        let cell = self.cells.get(y * SIDE + x).filter(|_| x < SIDE)?;
+        let number = cell.scan.checked_sub(self.forgotten + 1)?;
+        self.scans.get(number as usize).map(|(_, stamp_ns)| *stamp_ns)
     }
 }
 
@@ -209,20 +213,24 @@ fn set(
     corner: Vector2<f64>,
     [forgotten, scan]: [u32; 2],
     place_m: Vector2<f64>,
-    is_wall: bool,
+    seen: CellState,
 ) {
     let cell = index_of(corner, place_m).and_then(|at| cells.get_mut(at));
     if let Some(cell) = cell.filter(|cell| cell.scan != scan) {
         let before = if cell.scan > forgotten { cell.odds } else { 0 };
-        let odds = before + if is_wall { 1 } else { -1 };
+        let odds = match seen {
+            CellState::Wall => before + 1,
+            CellState::Free => before - 1,
+            CellState::Dark | CellState::Never => before - before.clamp(0, 1),
+        };
         *cell = SeenCell { odds: odds.clamp(-MOST_ODDS, MOST_ODDS), scan };
     }
 }
 
 /// Whether two neighbouring rays end at one surface, without an edge between them.
-fn are_joined(pair: &[Ray]) -> bool {
-    let [from_m, to_m] = [&pair[0], &pair[1]].map(|ray| unit(ray.bearing_rad) * ray.free_m);
-    pair[0].end == pair[1].end && (pair[0].end == RayEnd::Range || (to_m - from_m).norm() <= JOINED_M)
+fn are_joined(from: &Ray, to: &Ray) -> bool {
+    let [from_m, to_m] = [from, to].map(|ray| unit(ray.bearing_rad) * ray.free_m);
+    from.end == to.end && (from.end == RayEnd::Range || (to_m - from_m).norm() <= JOINED_M)
 }
 
 /// The index of the cell of a place.
@@ -249,18 +257,18 @@ mod tests {
     }
 
     /// A view straight ahead, 2 m from a wall across.
-    fn ahead() -> Vec<Ray> {
+    fn ahead() -> Rays {
         let ray = |degree: i32| {
             let bearing_rad = f64::from(degree).to_radians();
             Ray { bearing_rad, free_m: 2.0 / bearing_rad.cos(), end: RayEnd::Wall(0) }
         };
-        (-60..=60).map(ray).collect()
+        Rays::in_view((-60..=60).map(ray).collect())
     }
 
     #[test]
     fn what_was_ahead_is_known_once_it_lies_behind() {
         let mut surroundings = Surroundings::default();
-        surroundings.add(&at(0.0), &ahead());
+        surroundings.add(&at(0.0), 0, &ahead());
         let turned = Isometry2::new(Vector2::new(1.0, 0.0), PI);
         let back = surroundings.ray(&turned, PI, 10.0);
         assert!(back.end == RayEnd::WallBefore && (back.free_m - 1.0).abs() < 0.15, "{back:?}");
@@ -273,11 +281,12 @@ mod tests {
     #[test]
     fn the_last_view_counts_and_far_cells_are_forgotten() {
         let mut surroundings = Surroundings::default();
-        surroundings.add(&at(0.0), &ahead());
-        let door: Vec<Ray> = ahead().into_iter().map(|ray| Ray { free_m: 6.0, end: RayEnd::Range, ..ray }).collect();
-        surroundings.add(&at(0.3), &door);
+        surroundings.add(&at(0.0), 0, &ahead());
+        let far = ahead().rays.into_iter().map(|ray| Ray { free_m: 6.0, end: RayEnd::Range, ..ray });
+        let door = Rays::in_view(far.collect());
+        surroundings.add(&at(0.3), 0, &door);
         assert_eq!(surroundings.ray(&Isometry2::identity(), 0.0, 5.0).end, RayEnd::Range);
-        surroundings.add(&at(100.0), &door);
+        surroundings.add(&at(100.0), 0, &door);
         assert_eq!(surroundings.ray(&Isometry2::identity(), 0.0, 5.0).end, RayEnd::Unknown);
         assert_eq!(surroundings.ray(&Isometry2::translation(100.0, 0.0), 0.0, 5.0).end, RayEnd::Range);
     }
@@ -285,14 +294,14 @@ mod tests {
     #[test]
     fn what_was_seen_is_unknown_once_the_pose_since_then_is_in_doubt() {
         let mut surroundings = Surroundings::default();
-        surroundings.add(&at(0.0), &ahead());
+        surroundings.add(&at(0.0), 0, &ahead());
         let mut later = at(0.0);
         let seen = |surroundings: &Surroundings| surroundings.ray(&Isometry2::identity(), 0.0, 5.0).end;
         for (guessed_m, end) in [(0.2, RayEnd::WallBefore), (0.1, RayEnd::Unknown)] {
             let guessed = MotionDoubt { guessed_m, ..MotionDoubt::default() };
             later.doubt.add(&guessed, Point2::origin());
             // The vehicle stands: nothing is seen anew.
-            surroundings.add(&later, &ahead());
+            surroundings.add(&later, 0, &ahead());
             assert_eq!(seen(&surroundings), end);
         }
     }
