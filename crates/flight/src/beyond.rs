@@ -2,10 +2,10 @@
 //!
 //! One scan does not show what a corner hides; scans from other places may have. Beyond a gap lies what is behind the line between
 //! its ends and outside what this scan sees. The vehicle's disc is led from that line on through cells of the
-//! [`Surroundings`], by shortest paths on squares of 0.2 m with eight neighbours:
+//! [`Surroundings`], on squares of 0.2 m:
 //!
-//! - **seen through**: it gets 3 m far through cells that were seen free;
-//! - **closed**: it does not get 3 m far through all cells but walls, so that nothing unseen matters;
+//! - **seen through**: it gets 3 m away through cells that were seen free;
+//! - **closed**: it does not get 3 m away through all cells but walls, so that nothing unseen matters;
 //! - **not told**: neither, and the gap is what the scan itself says.
 //!
 //! A gap at which the scan sees a wall go on is an opening if it was seen through, unless the disc gets from there to what lies
@@ -48,7 +48,7 @@ struct Gap {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Through {
     SeenFree,
-    /// Also through what was not seen. The squares are known as those of an opening.
+    /// Also through what was not seen.
     NoWall,
 }
 
@@ -60,19 +60,24 @@ pub(crate) struct Beyond {
     disc: Vec<[isize; 2]>,
     /// How many times a disc was led.
     walks: u32,
-    /// Of each square: the last walk that came there, and its way from the gap, metres.
-    walked: Vec<(u32, f32)>,
-    /// The last walk beyond an opening that came there.
+    /// Of each square: the last walk that came there.
+    came: Vec<u32>,
+    /// Of each square: the last walk that came there of those beyond openings.
     of_opening: Vec<u32>,
-    queue: Vec<u32>,
+    /// Where a walk may go on: squares, and how far they are from the gap, metres.
+    open: Vec<(u32, f64)>,
 }
 
-/// What a walk is in: a scan, what was seen around it, and its gap.
+/// What a walk is in: a scan and its gap, and what was seen around it.
 struct Scene<'a> {
+    gap: Gap,
     rays: &'a Rays,
     around: &'a Surroundings,
     pose: &'a Isometry2<f64>,
-    gap: Gap,
+    /// In the frame of the scan: the corner of the squares, and from a square to the next one along each axis.
+    corner_m: Vector2<f64>,
+    right_m: Vector2<f64>,
+    up_m: Vector2<f64>,
 }
 
 fn cross(a: &Vector2<f64>, b: &Vector2<f64>) -> f64 {
@@ -80,25 +85,43 @@ fn cross(a: &Vector2<f64>, b: &Vector2<f64>) -> f64 {
 }
 
 impl Gap {
+    /// Whether its ends lie on both sides of the line from the sensor through a place.
+    fn spans(&self, place_m: &Vector2<f64>) -> bool {
+        cross(&self.from_m, place_m) >= 0.0 && cross(place_m, &self.to_m) >= 0.0
+    }
+
     /// Whether a place lies behind the gap, or outside what the scan sees.
     fn is_beyond(&self, place_m: &Vector2<f64>, rays: &Rays) -> bool {
-        if cross(&self.from_m, place_m) >= 0.0 && cross(place_m, &self.to_m) >= 0.0 {
+        if self.spans(place_m) {
             return cross(&(self.to_m - self.from_m), &(place_m - self.from_m)) <= 0.0;
         }
         !rays.sees(place_m)
     }
 
-    fn is_told(&self, width_m: f64) -> bool {
+    /// The distance of a place from the line between the ends, metres.
+    fn off_m(&self, place_m: &Vector2<f64>) -> f64 {
+        let along_m = self.to_m - self.from_m;
+        let share = ((place_m - self.from_m).dot(&along_m) / along_m.norm_squared()).clamp(0.0, 1.0);
+        (place_m - self.from_m - along_m * share).norm()
+    }
+
+    /// Whether the vehicle may fit, and there is less than half a turn between its ends.
+    fn is_wide(&self, width_m: f64) -> bool {
         (self.to_m - self.from_m).norm() >= width_m && cross(&self.from_m, &self.to_m) > 0.0
     }
 }
 
-impl Scene<'_> {
+impl<'a> Scene<'a> {
+    fn new(gap: Gap, rays: &'a Rays, around: &'a Surroundings, pose: &'a Isometry2<f64>) -> Self {
+        let [right_m, up_m] =
+            [Vector2::x(), Vector2::y()].map(|axis| pose.rotation.inverse_transform_vector(&axis) * SQUARE_M);
+        let corner_m = pose.inverse_transform_point(&Point2::from(around.corner_m())).coords;
+        Self { gap, rays, around, pose, corner_m, right_m, up_m }
+    }
+
     /// The middle of a square in the frame of the scan.
     fn middle_m(&self, x: usize, y: usize) -> Vector2<f64> {
-        let middle = Vector2::new((SQUARE * x + 1) as f64, (SQUARE * y + 1) as f64);
-        let place_m = self.around.corner_m() + middle * CELL_M;
-        self.pose.inverse_transform_point(&Point2::from(place_m)).coords
+        self.corner_m + self.right_m * (x as f64 + 0.5) + self.up_m * (y as f64 + 0.5)
     }
 
     /// The square of a place in the frame of the scan.
@@ -116,8 +139,11 @@ impl Beyond {
             let off_m = Vector2::new(x as f64 + 0.5, y as f64 + 0.5) * CELL_M;
             (off_m.norm() <= 0.5 * width_m).then_some([x, y])
         };
-        let disc = (-reach..reach).flat_map(|y| (-reach..reach).filter_map(move |x| of_disc(x, y))).collect();
-        Self { width_m, disc, walks: 0, walked: Vec::new(), of_opening: Vec::new(), queue: Vec::new() }
+        let mut disc: Vec<[isize; 2]> =
+            (-reach..reach).flat_map(|y| (-reach..reach).filter_map(move |x| of_disc(x, y))).collect();
+        // Walls stand at its rim.
+        disc.sort_by_key(|[x, y]| std::cmp::Reverse((2 * x + 1).pow(2) + (2 * y + 1).pow(2)));
+        Self { width_m, disc, walks: 0, came: Vec::new(), of_opening: Vec::new(), open: Vec::new() }
     }
 
     /// The openings of a scan, taken at a pose, with what was seen around it up to now.
@@ -137,41 +163,46 @@ impl Beyond {
         });
         let mut openings: Vec<KnownOpening> = by_scan.collect();
         let Some((around, pose)) = seen else { return openings };
-        self.walked.resize(SQUARES * SQUARES, (0, 0.0));
+        self.came.resize(SQUARES * SQUARES, 0);
         self.of_opening.resize(SQUARES * SQUARES, 0);
-        let before = self.walks;
         let gap_of = |index: usize| {
             let [from_m, to_m] = junction.openings[index].edge_m.map(|end_m| end_m.coords.xy());
             Gap { from_m, to_m }
         };
+        let scene = |gap: Gap| Scene::new(gap, rays, around, pose);
         openings.retain_mut(|opening| {
-            let Some(index) = opening.index else { return true };
+            let Some(index) = opening.index.filter(|_| opening.seen_ns.is_none()) else { return true };
             let gap = gap_of(index);
-            if junction.openings[index].is_cut_by_view() || !gap.is_told(self.width_m) {
+            if junction.openings[index].is_cut_by_view() || !gap.is_wide(self.width_m) {
                 return true;
             }
-            let scene = Scene { rays, around, pose, gap };
-            let is_open = self.lead(&scene, Through::NoWall, before).is_some();
-            if opening.seen_ns.is_none() && is_open {
-                opening.seen_ns =
-                    self.lead(&scene, Through::SeenFree, u32::MAX).and_then(|square| seen_ns(around, square));
-            }
-            is_open || opening.seen_ns.is_some()
+            let seen = self.lead(&scene(gap), Through::SeenFree);
+            opening.seen_ns = seen.and_then(|square| seen_ns(around, square));
+            seen.is_some() || self.lead(&scene(gap), Through::NoWall).is_some()
         });
-        for pair in rays.joined() {
-            let [from_m, to_m] = pair;
+        // What lies beyond the openings is looked at once it matters.
+        let (mut marked, scan) = (false, self.walks + 1);
+        for [from_m, to_m] in rays.joined() {
             let gap = Gap { from_m, to_m };
             let middle_m = 0.5 * (from_m + to_m);
-            let is_in = |index: usize| {
-                let of = gap_of(index);
-                cross(&of.from_m, &of.to_m) <= 0.0
-                    || cross(&of.from_m, &middle_m) >= 0.0 && cross(&middle_m, &of.to_m) >= 0.0
-            };
-            if !gap.is_told(self.width_m) || (0..junction.openings.len()).any(is_in) {
+            if !gap.is_wide(self.width_m) || (0..junction.openings.len()).any(|index| gap_of(index).spans(&middle_m)) {
                 continue;
             }
-            let scene = Scene { rays, around, pose, gap };
-            if let Some(square) = self.lead(&scene, Through::SeenFree, before) {
+            let Some(square) = self.lead(&scene(gap), Through::SeenFree) else { continue };
+            if !std::mem::replace(&mut marked, true) {
+                let mut of_opening = std::mem::take(&mut self.of_opening);
+                for gap in (0..junction.openings.len()).map(gap_of) {
+                    self.walk(&scene(gap), Through::NoWall, |square, _| {
+                        of_opening[square] = scan;
+                        false
+                    });
+                }
+                self.of_opening = of_opening;
+            }
+            let of_opening = std::mem::take(&mut self.of_opening);
+            let is_same = self.walk(&scene(gap), Through::SeenFree, |square, _| of_opening[square] == scan).is_some();
+            self.of_opening = of_opening;
+            if !is_same {
                 openings.push(KnownOpening {
                     index: None,
                     bearing_rad: middle_m.y.atan2(middle_m.x),
@@ -185,63 +216,56 @@ impl Beyond {
         openings
     }
 
-    /// Leads the disc from a gap on. The square that it gets to after [`LEAST_DEPTH_M`]; `None` if it does not get as far, or to
-    /// where a walk after `before` came beyond an opening.
-    fn lead(&mut self, scene: &Scene<'_>, through: Through, before: u32) -> Option<usize> {
+    /// Leads the disc from a gap on. A square that it gets to 3 m from there; `None` if it does not get as far.
+    fn lead(&mut self, scene: &Scene<'_>, through: Through) -> Option<usize> {
+        self.walk(scene, through, |_, off_m| off_m >= LEAST_DEPTH_M)
+    }
+
+    /// Leads the disc from a gap on, to squares less than 3 m from there and the next ones, those that are farther off first, until
+    /// `stop` is true of a square and its distance from the gap.
+    fn walk(&mut self, scene: &Scene<'_>, through: Through, mut stop: impl FnMut(usize, f64) -> bool) -> Option<usize> {
         self.walks += 1;
-        let walk = self.walks;
-        self.queue.clear();
+        self.open.clear();
         let Gap { from_m, to_m } = scene.gap;
         let steps = ((to_m - from_m).norm() / CELL_M).ceil();
         for step in 0..=steps as usize {
+            // What lies beyond the squares was not seen.
             let Some([x, y]) = scene.square(&from_m.lerp(&to_m, step as f64 / steps)) else {
-                // What is as far off was not seen.
                 return (through == Through::NoWall).then_some(0);
             };
-            let square = y * SQUARES + x;
-            if self.walked[square].0 != walk && self.fits(scene.around, x, y, through) {
-                self.walked[square] = (walk, 0.0);
-                self.queue.push(square as u32);
-            }
+            self.come(scene, through, x, y);
         }
-        let (mut at, mut found) = (0, None);
-        while let Some(&square) = self.queue.get(at) {
-            at += 1;
+        while let Some((square, off_m)) = self.open.pop() {
             let square = square as usize;
-            let (_, way_m) = self.walked[square];
-            match through {
-                Through::NoWall => self.of_opening[square] = walk,
-                Through::SeenFree if self.of_opening[square] > before => return None,
-                Through::SeenFree => {}
+            if stop(square, off_m) {
+                return Some(square);
             }
-            if f64::from(way_m) >= LEAST_DEPTH_M {
-                found = found.or(Some(square));
-                if through == Through::SeenFree {
-                    return found;
-                }
+            if off_m >= LEAST_DEPTH_M {
                 continue;
             }
-            let [x, y] = [square % SQUARES, square / SQUARES];
+            let ([x, y], first) = ([square % SQUARES, square / SQUARES], self.open.len());
             for [right, up] in BESIDE {
-                let (Some(x), Some(y)) = (x.checked_add_signed(right), y.checked_add_signed(up)) else { continue };
-                if x >= SQUARES || y >= SQUARES {
-                    continue;
-                }
-                let (beside, step_m) = (y * SQUARES + x, SQUARE_M * ((right * right + up * up) as f64).sqrt());
-                let next_m = way_m + step_m as f32;
-                let (by, known_m) = self.walked[beside];
-                let is_new = by != walk;
-                if !is_new && known_m <= next_m + 1e-6
-                    || is_new && !self.fits(scene.around, x, y, through)
-                    || is_new && !scene.gap.is_beyond(&scene.middle_m(x, y), scene.rays)
+                if let Some((x, y)) = x.checked_add_signed(right).zip(y.checked_add_signed(up))
+                    && x < SQUARES
+                    && y < SQUARES
+                    && self.came[y * SQUARES + x] != self.walks
+                    && scene.gap.is_beyond(&scene.middle_m(x, y), scene.rays)
                 {
-                    continue;
+                    self.come(scene, through, x, y);
                 }
-                self.walked[beside] = (walk, next_m);
-                self.queue.push(beside as u32);
             }
+            self.open[first..].sort_unstable_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
         }
-        found
+        None
+    }
+
+    /// Comes to a square, if the disc fits there.
+    fn come(&mut self, scene: &Scene<'_>, through: Through, x: usize, y: usize) {
+        let square = y * SQUARES + x;
+        if std::mem::replace(&mut self.came[square], self.walks) != self.walks && self.fits(scene.around, x, y, through)
+        {
+            self.open.push((square as u32, scene.gap.off_m(&scene.middle_m(x, y))));
+        }
     }
 
     /// Whether the disc fits at the middle of a square.

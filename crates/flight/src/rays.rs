@@ -104,6 +104,10 @@ impl Rays {
             .map(|((from_m, _), (to_m, _))| [*from_m, *to_m])
     }
 
+    pub(crate) fn is_full_turn(&self) -> bool {
+        self.full_turn
+    }
+
     /// Each ray of the view, the next one, and the angle between them.
     pub(crate) fn pairs(&self) -> impl Iterator<Item = (&Ray, &Ray, f64)> {
         let next = self.rays.iter().cycle().skip(1);

@@ -69,6 +69,9 @@ pub(crate) struct Surroundings {
     scans: VecDeque<(PoseDoubt, u64)>,
     /// How many scans were forgotten.
     forgotten: u32,
+    /// What a scan sees, as a polygon in the frame of the poses, metres; and where the middles of each row of cells cross it.
+    outline: Vec<Point2<f64>>,
+    crossings: Vec<Vec<f64>>,
 }
 
 impl Surroundings {
@@ -112,27 +115,51 @@ impl Surroundings {
             for part in 0..=parts as usize {
                 let wall = from + (to - from) * (part as f64 / parts);
                 let place_m = (pose * Point2::from(wall)).coords;
-                set(&mut self.cells, self.corner, [self.forgotten, scan], place_m, CellState::Wall);
+                let cell = index_of(self.corner, place_m).and_then(|at| self.cells.get_mut(at));
+                cell.into_iter().for_each(|cell| cell.set([self.forgotten, scan], CellState::Wall));
             }
         }
-        for (first, next, turned_rad) in rays.pairs() {
-            let (from_m, to_m) = (reach_m(first), reach_m(next));
-            // Between neighbours that see one wall it runs from the one to the other, else the nearer one counts.
-            let is_dark = [first, next].iter().any(|ray| ray.end == RayEnd::Range);
-            let seen = if is_dark { CellState::Dark } else { CellState::Free };
-            let is_one_wall = are_joined(first, next);
-            let parts = (from_m.max(to_m) * turned_rad / CELL_M).ceil().max(1.0);
-            for part in 0..parts as usize {
-                let share = part as f64 / parts;
-                let free_m = if is_one_wall { from_m + (to_m - from_m) * share } else { from_m.min(to_m) };
-                let direction = pose.rotation * unit(first.bearing_rad + turned_rad * share);
-                let steps = (free_m / CELL_M).ceil() as usize;
-                // Nearer to the sensor than half of the way every other part is enough, than a quarter every fourth.
-                let nearest = if part == 0 { 0 } else { steps >> (part.trailing_zeros() + 1) };
-                for step in nearest..steps {
-                    let place_m = pose.translation.vector + direction * (step as f64 * CELL_M);
-                    set(&mut self.cells, self.corner, [self.forgotten, scan], place_m, seen);
+        for seen in [CellState::Free, CellState::Dark] {
+            self.outline.clear();
+            for (first, next, _) in rays.pairs() {
+                let is_dark = [first, next].iter().any(|ray| ray.end == RayEnd::Range);
+                // Between neighbours that see one wall it runs from the one to the other, else the nearer one counts.
+                let mut ends_m = [first, next].map(reach_m);
+                if is_dark != (seen == CellState::Dark) {
+                    ends_m = [0.0; 2];
+                } else if !are_joined(first, next) {
+                    ends_m = [ends_m[0].min(ends_m[1]); 2];
                 }
+                let ends = [first, next].into_iter().zip(ends_m);
+                self.outline.extend(ends.map(|(ray, end_m)| pose * Point2::from(unit(ray.bearing_rad) * end_m)));
+            }
+            // The view of a part of a turn begins and ends at the sensor.
+            self.outline.push(self.outline.first().copied().filter(|_| rays.is_full_turn()).unwrap_or(place_m));
+            self.fill([self.forgotten, scan], seen);
+        }
+    }
+
+    /// Sets the cells whose middles lie in the outline: in each row, those between its first and second crossing, and so on.
+    fn fill(&mut self, scans: [u32; 2], seen: CellState) {
+        self.crossings.resize(SIDE, Vec::new());
+        self.crossings.iter_mut().for_each(Vec::clear);
+        let at = |place_m: &Point2<f64>| place_m.coords / CELL_M - self.corner - Vector2::repeat(0.5);
+        for (from, to) in self.outline.iter().zip(self.outline.iter().cycle().skip(1)) {
+            let [from, to] = [at(from), at(to)];
+            let (low, high) = if from.y <= to.y { (from, to) } else { (to, from) };
+            let rows = low.y.ceil().max(0.0) as usize..high.y.ceil().clamp(0.0, SIDE as f64) as usize;
+            for row in rows {
+                let share = (row as f64 - low.y) / (high.y - low.y);
+                self.crossings[row].push(low.x + share * (high.x - low.x));
+            }
+        }
+        for (row, crossings) in self.crossings.iter_mut().enumerate() {
+            crossings.sort_unstable_by(f64::total_cmp);
+            for pair in crossings.chunks_exact(2) {
+                let [first, end] = [pair[0], pair[1]].map(|x| x.ceil().clamp(0.0, SIDE as f64) as usize);
+                self.cells[row * SIDE + first..row * SIDE + end.max(first)]
+                    .iter_mut()
+                    .for_each(|cell| cell.set(scans, seen));
             }
         }
     }
@@ -206,24 +233,19 @@ impl Surroundings {
     }
 }
 
-/// Sets what a scan saw at a place; the first that it is said to have seen there counts. `scans`: the last that is forgotten, and
-/// this one.
-fn set(
-    cells: &mut [SeenCell],
-    corner: Vector2<f64>,
-    [forgotten, scan]: [u32; 2],
-    place_m: Vector2<f64>,
-    seen: CellState,
-) {
-    let cell = index_of(corner, place_m).and_then(|at| cells.get_mut(at));
-    if let Some(cell) = cell.filter(|cell| cell.scan != scan) {
-        let before = if cell.scan > forgotten { cell.odds } else { 0 };
+impl SeenCell {
+    /// Sets what a scan saw here; the first that it is said to have seen counts. `scans`: the last that is forgotten, and this one.
+    fn set(&mut self, [forgotten, scan]: [u32; 2], seen: CellState) {
+        if self.scan == scan {
+            return;
+        }
+        let before = if self.scan > forgotten { self.odds } else { 0 };
         let odds = match seen {
             CellState::Wall => before + 1,
             CellState::Free => before - 1,
             CellState::Dark | CellState::Never => before - before.clamp(0, 1),
         };
-        *cell = SeenCell { odds: odds.clamp(-MOST_ODDS, MOST_ODDS), scan };
+        *self = Self { odds: odds.clamp(-MOST_ODDS, MOST_ODDS), scan };
     }
 }
 
