@@ -25,7 +25,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use crosscut_stage::{Junction, Number, Opening, ParamSpec, Params, Sweep, unit, widest_run, wrap_angle_rad};
+use crosscut_stage::{Junction, Number, Opening, ParamSpec, Params, Sweep, widest_run, wrap_angle_rad};
 use nalgebra::{Isometry2, Vector2};
 
 use crate::{Here, HereKind, Way};
@@ -241,7 +241,7 @@ impl Rays {
         let end_m = |at: isize| {
             let ray = &self.rays[at.rem_euclid(n) as usize];
             let is_wall = matches!(ray.end, RayEnd::Wall(_) | RayEnd::WallBefore);
-            is_wall.then(|| unit(ray.bearing_rad) * ray.free_m)
+            is_wall.then(|| ray.end_m())
         };
         let first_m = end_m(at).filter(|end_m| end_m.norm() <= look_m)?;
         let mut last_m = first_m;

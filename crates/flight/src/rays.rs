@@ -12,9 +12,22 @@ const MAX_JOINED_RAD: f64 = 2.6;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Ray {
     pub(crate) bearing_rad: f64,
+    /// A unit vector.
+    pub(crate) towards: Vector2<f64>,
     /// Nothing stands nearer than this.
     pub(crate) free_m: f64,
     pub(crate) end: RayEnd,
+}
+
+impl Ray {
+    pub(crate) fn new(bearing_rad: f64, free_m: f64, end: RayEnd) -> Self {
+        Self { bearing_rad, towards: unit(bearing_rad), free_m, end }
+    }
+
+    /// Where its free part ends, metres.
+    pub(crate) fn end_m(&self) -> Vector2<f64> {
+        self.towards * self.free_m
+    }
 }
 
 /// What is at the end of the free part of a ray.
@@ -84,7 +97,7 @@ impl Rays {
         }
         let known = free.into_iter().enumerate().filter_map(|(at, free)| {
             let (free_m, end) = free?;
-            Some(Ray { bearing_rad: first_rad + at as f64 * step_rad, free_m, end })
+            Some(Ray::new(first_rad + at as f64 * step_rad, free_m, end))
         });
         (!returns.is_empty()).then(|| Self { rays: known.collect(), full_turn: view.full_turn, returns: places })
     }
@@ -124,7 +137,7 @@ impl Rays {
         }
         let [from, to] = [&self.rays[after - 1], &self.rays[after % self.rays.len()]];
         let apart_rad = (to.bearing_rad - from.bearing_rad).rem_euclid(TAU);
-        let [from_m, to_m] = [from, to].map(|ray| unit(ray.bearing_rad) * ray.free_m);
+        let [from_m, to_m] = [from, to].map(Ray::end_m);
         apart_rad <= MAX_JOINED_RAD && (to_m - from_m).perp(&(place_m - from_m)) > 0.0
     }
 

@@ -106,7 +106,7 @@ impl Surroundings {
         let reach_m = |ray: &Ray| ray.free_m.min(REACH_M);
         // A wall that a scan sees is not free in it, although other beams pass through its cell.
         for (first, next, _) in rays.pairs() {
-            let [from, to] = [first, next].map(|ray| unit(ray.bearing_rad) * ray.free_m);
+            let [from, to] = [first, next].map(Ray::end_m);
             let is_wall = |ray: &Ray| matches!(ray.end, RayEnd::Wall(_)) && ray.free_m <= reach_m(ray);
             if !is_wall(first) || !is_wall(next) {
                 continue;
@@ -131,7 +131,7 @@ impl Surroundings {
                     ends_m = [ends_m[0].min(ends_m[1]); 2];
                 }
                 let ends = [first, next].into_iter().zip(ends_m);
-                self.outline.extend(ends.map(|(ray, end_m)| pose * Point2::from(unit(ray.bearing_rad) * end_m)));
+                self.outline.extend(ends.map(|(ray, end_m)| pose * Point2::from(ray.towards * end_m)));
             }
             // The view of a part of a turn begins and ends at the sensor.
             self.outline.push(self.outline.first().copied().filter(|_| rays.is_full_turn()).unwrap_or(place_m));
@@ -171,11 +171,11 @@ impl Surroundings {
         while free_m < farthest_m {
             match self.at(pose.translation.vector + direction * free_m) {
                 CellState::Free | CellState::Dark => free_m += 0.5 * CELL_M,
-                CellState::Wall => return Ray { bearing_rad, free_m, end: RayEnd::WallBefore },
-                CellState::Never => return Ray { bearing_rad, free_m, end: RayEnd::Unknown },
+                CellState::Wall => return Ray::new(bearing_rad, free_m, RayEnd::WallBefore),
+                CellState::Never => return Ray::new(bearing_rad, free_m, RayEnd::Unknown),
             }
         }
-        Ray { bearing_rad, free_m: farthest_m, end: RayEnd::Range }
+        Ray::new(bearing_rad, farthest_m, RayEnd::Range)
     }
 
     /// Lays the cells around a pose; what was seen where they lay before stays.
@@ -187,12 +187,15 @@ impl Surroundings {
         }
         if self.scans.len() > 1 {
             let mut cells = vec![SeenCell::default(); SIDE * SIDE];
-            for y in 0..SIDE {
-                for x in 0..SIDE {
-                    if let Some(at) = index(Vector2::new(x as f64, y as f64) + off) {
-                        cells[y * SIDE + x] = self.cells[at];
-                    }
-                }
+            // Those of both: in each axis from the first on, counted from the new corner and from the old one.
+            let shared = |off: f64| {
+                let off = off.clamp(-(SIDE as f64), SIDE as f64) as isize;
+                ((-off).max(0) as usize, off.max(0) as usize, SIDE - off.unsigned_abs())
+            };
+            let ((to_x, from_x, columns), (to_y, from_y, rows)) = (shared(off.x), shared(off.y));
+            for row in 0..rows {
+                let [to, from] = [(to_y + row) * SIDE + to_x, (from_y + row) * SIDE + from_x];
+                cells[to..to + columns].copy_from_slice(&self.cells[from..from + columns]);
             }
             self.cells = cells;
         } else {
@@ -251,17 +254,13 @@ impl SeenCell {
 
 /// Whether two neighbouring rays end at one surface, without an edge between them.
 fn are_joined(from: &Ray, to: &Ray) -> bool {
-    let [from_m, to_m] = [from, to].map(|ray| unit(ray.bearing_rad) * ray.free_m);
+    let [from_m, to_m] = [from, to].map(Ray::end_m);
     from.end == to.end && (from.end == RayEnd::Range || (to_m - from_m).norm() <= JOINED_M)
 }
 
 /// The index of the cell of a place.
 fn index_of(corner: Vector2<f64>, place_m: Vector2<f64>) -> Option<usize> {
-    index(place_m / CELL_M - corner)
-}
-
-/// The index of the cell of a place, in cells from the corner.
-fn index(at: Vector2<f64>) -> Option<usize> {
+    let at = place_m / CELL_M - corner;
     let is_inside = |along: f64| (0.0..SIDE as f64).contains(&along);
     (is_inside(at.x) && is_inside(at.y)).then(|| at.y as usize * SIDE + at.x as usize)
 }
@@ -282,7 +281,7 @@ mod tests {
     fn ahead() -> Rays {
         let ray = |degree: i32| {
             let bearing_rad = f64::from(degree).to_radians();
-            Ray { bearing_rad, free_m: 2.0 / bearing_rad.cos(), end: RayEnd::Wall(0) }
+            Ray::new(bearing_rad, 2.0 / bearing_rad.cos(), RayEnd::Wall(0))
         };
         Rays::in_view((-60..=60).map(ray).collect())
     }
