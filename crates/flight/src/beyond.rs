@@ -286,3 +286,89 @@ const BESIDE: [[isize; 2]; 8] = [[1, 0], [-1, 0], [0, 1], [0, -1], [1, 1], [1, -
 fn seen_ns(around: &Surroundings, square: usize) -> Option<u64> {
     around.seen_ns(SQUARE * (square % SQUARES) + 1, SQUARE * (square / SQUARES) + 1)
 }
+
+#[cfg(test)]
+mod tests {
+    use crosscut_stage::{Evidence, Opening, PoseDoubt};
+
+    use super::*;
+    use crate::Tracked;
+    use crate::rays::{Ray, RayEnd};
+
+    /// A tunnel 2 m wide along x, with a side way 2 m wide from (3, 1) on, which ends at `end_m`.
+    fn tunnel(end_m: f64) -> Vec<[Vector2<f64>; 2]> {
+        let [corners, side] = [
+            [[3.0, 1.0], [-9.0, 1.0], [-9.0, -1.0], [14.0, -1.0], [14.0, 1.0], [5.0, 1.0]],
+            [[5.0, 1.0], [5.0, end_m], [3.0, end_m], [3.0, 1.0], [3.0, 1.0], [3.0, 1.0]],
+        ]
+        .map(|corners| corners.map(Vector2::from));
+        let walls = |corners: &[Vector2<f64>]| corners.windows(2).map(|ends| [ends[0], ends[1]]).collect::<Vec<_>>();
+        [walls(&corners), walls(&side)].concat()
+    }
+
+    /// What is seen at a place, 720 rays.
+    fn rays(walls: &[[Vector2<f64>; 2]], from_m: Vector2<f64>) -> Rays {
+        let ray = |at: i32| {
+            let mut ray = Ray::new(f64::from(at).to_radians() * 0.5, f64::INFINITY, RayEnd::Wall(0));
+            for [a, b] in walls {
+                let (along, off) = (b - a, a - from_m);
+                let share = cross(&off, &ray.towards) / cross(&ray.towards, &along);
+                let range_m = cross(&off, &along) / cross(&ray.towards, &along);
+                if (0.0..=1.0).contains(&share) && range_m > 0.0 {
+                    ray.free_m = ray.free_m.min(range_m);
+                }
+            }
+            ray
+        };
+        Rays::of_one_wall((-359..=360).map(ray).collect(), true)
+    }
+
+    /// The openings at (9, 0), after the vehicle came by from (0, 0), where the scan sees this in the gap at the side way.
+    fn after_passing(end_m: f64, is_opening: bool) -> Vec<KnownOpening> {
+        let (walls, mut around) = (tunnel(end_m), Surroundings::default());
+        for x in 0..=9_u32 {
+            let pose = Isometry2::translation(f64::from(x), 0.0);
+            let tracked = Tracked { pose, doubt: PoseDoubt::default(), lost: false };
+            around.add(&tracked, 1000 + u64::from(x), &rays(&walls, pose.translation.vector));
+        }
+        let seen = rays(&walls, Vector2::new(9.0, 0.0));
+        let edge_m = [[-4.0, 1.0, 0.0], [-6.0, 1.4, 0.0]].map(crosscut_stage::Point::from);
+        let opening = Opening {
+            bearing_rad: 2.9,
+            width_m: 2.0,
+            walls: [0, 0],
+            returns: [Some(0), Some(1)],
+            gaps: Vec::new(),
+            evidence: Evidence::SeenThrough,
+            known: Known::Judged,
+            edge_m,
+            p: Some(0.5),
+        };
+        let openings = if is_opening { vec![opening] } else { Vec::new() };
+        let junction = Junction { openings, ..Junction::default() };
+        Beyond::new(0.6).openings(&junction, 1009, &seen, Some((&around, &Isometry2::translation(9.0, 0.0))))
+    }
+
+    #[test]
+    fn a_side_way_that_was_seen_is_an_opening_whatever_the_scan_says() {
+        for is_opening in [false, true] {
+            let found = after_passing(7.0, is_opening);
+            assert!(matches!(found[..], [KnownOpening { seen_ns: Some(1002..=1006), .. }]), "{is_opening}: {found:?}");
+            assert_eq!(found[0].index.is_some(), is_opening);
+            assert!((found[0].bearing_rad - 2.9).abs() < 0.2 && (1.5..2.5).contains(&found[0].width_m), "{found:?}");
+        }
+    }
+
+    #[test]
+    fn a_pocket_whose_end_was_seen_is_no_opening_whatever_the_scan_says() {
+        for is_opening in [false, true] {
+            assert_eq!(after_passing(2.5, is_opening), [], "{is_opening}");
+        }
+    }
+
+    #[test]
+    fn without_a_pose_the_openings_are_those_of_the_scan() {
+        let seen = rays(&tunnel(7.0), Vector2::zeros());
+        assert_eq!(Beyond::new(0.6).openings(&Junction::default(), 0, &seen, None), []);
+    }
+}

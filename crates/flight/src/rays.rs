@@ -102,9 +102,11 @@ impl Rays {
         (!returns.is_empty()).then(|| Self { rays: known.collect(), full_turn: view.full_turn, returns: places })
     }
 
+    /// Rays of a limited view, or of a full turn, which end at one wall.
     #[cfg(test)]
-    pub(crate) fn in_view(rays: Vec<Ray>) -> Self {
-        Self { rays, full_turn: false, returns: Vec::new() }
+    pub(crate) fn of_one_wall(rays: Vec<Ray>, full_turn: bool) -> Self {
+        let returns = rays.iter().map(|ray| (ray.end_m(), true)).collect();
+        Self { rays, full_turn, returns }
     }
 
     /// The ends of each gap between two returns of one wall, clockwise first.

@@ -283,7 +283,7 @@ mod tests {
             let bearing_rad = f64::from(degree).to_radians();
             Ray::new(bearing_rad, 2.0 / bearing_rad.cos(), RayEnd::Wall(0))
         };
-        Rays::in_view((-60..=60).map(ray).collect())
+        Rays::of_one_wall((-60..=60).map(ray).collect(), false)
     }
 
     #[test]
@@ -304,7 +304,7 @@ mod tests {
         let mut surroundings = Surroundings::default();
         surroundings.add(&at(0.0), 0, &ahead());
         let far = ahead().rays.into_iter().map(|ray| Ray { free_m: 6.0, end: RayEnd::Range, ..ray });
-        let door = Rays::in_view(far.collect());
+        let door = Rays::of_one_wall(far.collect(), false);
         surroundings.add(&at(0.3), 0, &door);
         assert_eq!(surroundings.ray(&Isometry2::identity(), 0.0, 5.0).end, RayEnd::Range);
         surroundings.add(&at(100.0), 0, &door);
