@@ -105,7 +105,7 @@ pub struct Way {
 /// The answer over the last revolutions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Steady {
-    /// The number of walls, as [`Junction::junctions`](crosscut_stage::Junction::junctions).
+    /// The number of walls, as [`Junction::junctions`](crosscut_stage::Junction::junctions), with what earlier revolutions saw beyond gaps.
     pub junctions: usize,
     /// The place; its ways lead to the openings below.
     pub here: Option<Here>,
@@ -122,8 +122,9 @@ pub struct SteadyOpening {
     pub bearing_rad: f64,
     /// Clear width across the branch, metres.
     pub width_m: f64,
-    /// The odds that a vehicle can pass, as a probability, of the revolution that saw it last; `None` where too little was seen.
+    /// The odds that a vehicle can pass, as a probability, of the revolution that saw it last; `None` where too little was seen, and
+    /// where that revolution sees a wall go on and an earlier one saw through.
     pub p: Option<f64>,
-    /// The last revolution whose beams passed through; `None` if none did: a hidden wall may close it.
+    /// The stamp of the last revolution that saw through; `None` if none did: a hidden wall may close it.
     pub seen_ns: Option<u64>,
 }

@@ -1,4 +1,4 @@
-//! What a vehicle with a limited view has seen around it: square cells of free space and of walls, in the frame of the
+//! What a vehicle has seen around it: square cells of free space and of walls, in the frame of the
 //! poses. Each cell is what most of the last scans in whose view it lay saw there, for as long as the doubt of the pose since
 //! then is small beside a mouth.
 
