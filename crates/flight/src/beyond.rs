@@ -62,7 +62,7 @@ pub(crate) struct Beyond {
     walks: u32,
     /// Of each square: the last walk that came there.
     came: Vec<u32>,
-    /// Of each square: the last walk that came there of those beyond openings.
+    /// Of each square: the last scan beyond whose openings a walk came there, by its first walk.
     of_opening: Vec<u32>,
     /// Where a walk may go on: squares, and how far they are from the gap, metres.
     open: Vec<(u32, f64)>,
@@ -189,18 +189,17 @@ impl Beyond {
                 continue;
             }
             let Some(square) = self.lead(&scene(gap), Through::SeenFree) else { continue };
+            let mut of_opening = std::mem::take(&mut self.of_opening);
+            let mut is_known = |square: usize| std::mem::replace(&mut of_opening[square], scan) == scan;
             if !std::mem::replace(&mut marked, true) {
-                let mut of_opening = std::mem::take(&mut self.of_opening);
                 for gap in (0..junction.openings.len()).map(gap_of) {
                     self.walk(&scene(gap), Through::NoWall, |square, _| {
-                        of_opening[square] = scan;
+                        is_known(square);
                         false
                     });
                 }
-                self.of_opening = of_opening;
             }
-            let of_opening = std::mem::take(&mut self.of_opening);
-            let is_same = self.walk(&scene(gap), Through::SeenFree, |square, _| of_opening[square] == scan).is_some();
+            let is_same = self.walk(&scene(gap), Through::SeenFree, |square, _| is_known(square)).is_some();
             self.of_opening = of_opening;
             if !is_same {
                 openings.push(KnownOpening {
