@@ -20,6 +20,9 @@ const RIGHT_SHARE: [f64; RADII.len() + 1] = [0.4, 0.4, 0.5, 0.6, 0.85, 0.98];
 /// And as much of it where the view cuts a way, or something is known in a smaller share of all directions: the room may be less
 /// than is seen. If nothing is seen in the way either, as much as the second number.
 const CUT_SHARE: [f64; 2] = [0.95, 0.87];
+/// The slope of a way is that of the line from its middle at the first of these distances to that at the second, or where the vehicle
+/// gets less far, at the third: those of the truth in a mesh.
+const MIDDLES: [f64; 3] = [2.0, 3.0, ON];
 /// See [`CUT_SHARE`].
 const KNOWN_SHARE: f64 = 0.75;
 
@@ -39,8 +42,16 @@ pub struct Found {
     pub cells: Vec<u32>,
 }
 
-/// The ways, by their first cell, of a sight with as much room at the sensor; none of them is sure where `is_doubtful`.
-pub(super) fn find(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64, is_doubtful: bool) -> Vec<Found> {
+/// The ways, by their first cell, of a sight with as much room at the sensor, whose vertical axis is `up`; none of them is sure where
+/// `is_doubtful`.
+pub(super) fn find(
+    sphere: &Sphere,
+    sight: &Sight,
+    reach_m: &[f64],
+    room_m: f64,
+    up: &Vector3<f64>,
+    is_doubtful: bool,
+) -> Vec<Found> {
     let (mut sets, mut of_cell) = (DisjointSets::default(), Vec::new());
     let mut parts = components(sphere, reach_m, APART * room_m, &mut sets, &mut of_cell);
     let is_on = |cells: &Vec<u32>| cells.iter().any(|cell| reach_m[*cell as usize] >= ON * room_m);
@@ -48,16 +59,8 @@ pub(super) fn find(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64,
     let mut stays = vec![0; parts.len()];
     for radius in RADII {
         let at = components(sphere, reach_m, radius * room_m, &mut sets, &mut of_cell).len();
-        // The component that each way is part of here, or falls into; more than one way in it, or none, does not stay.
-        let of_way: Vec<Vec<usize>> = parts
-            .iter()
-            .map(|cells| {
-                let mut within: Vec<usize> = cells.iter().filter_map(|cell| of_cell[*cell as usize]).collect();
-                within.sort_unstable();
-                within.dedup();
-                within
-            })
-            .collect();
+        // More than one way in a component, or none, does not stay.
+        let of_way: Vec<Vec<usize>> = parts.iter().map(|cells| within(cells, &of_cell)).collect();
         let mut taken = vec![0; at];
         of_way.iter().flatten().for_each(|part| taken[*part] += 1);
         for (stays, of_way) in stays.iter_mut().zip(&of_way) {
@@ -65,8 +68,16 @@ pub(super) fn find(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64,
         }
     }
     let is_narrow = is_narrow(sphere, sight);
-    let known = |(cells, stays): (Vec<u32>, usize)| {
+    let [near_m, far_m, less_far_m] =
+        MIDDLES.map(|radius| middles_m(sphere, reach_m, radius * room_m, &parts, &mut sets, &mut of_cell));
+    let slopes_rad = (0..parts.len()).map(|way| {
+        let line = far_m[way].or(less_far_m[way]).zip(near_m[way]).map(|(far_m, near_m)| far_m - near_m);
+        line.and_then(|line| line.try_normalize(0.0)).map(|line| line.dot(up).clamp(-1.0, 1.0).asin())
+    });
+    let slopes_rad: Vec<Option<f64>> = slopes_rad.collect();
+    let known = |((cells, stays), slope_rad): ((Vec<u32>, usize), Option<f64>)| {
         let mut way = known_of(sphere, sight, reach_m, room_m, &cells, RIGHT_SHARE[stays]);
+        way.slope_rad = slope_rad.unwrap_or_else(|| way.direction.dot(up).clamp(-1.0, 1.0).asin());
         if way.cut_by_view || is_narrow {
             way.p *= CUT_SHARE[usize::from(way.evidence == Evidence::NoReturn)];
         }
@@ -75,7 +86,44 @@ pub(super) fn find(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64,
         }
         Found { way, cells }
     };
-    parts.into_iter().zip(stays).map(known).collect()
+    parts.into_iter().zip(stays).zip(slopes_rad).map(known).collect()
+}
+
+/// The components that cells lie in, ascending.
+fn within(cells: &[u32], of_cell: &[Option<usize>]) -> Vec<usize> {
+    let mut within: Vec<usize> = cells.iter().filter_map(|cell| of_cell[*cell as usize]).collect();
+    within.sort_unstable();
+    within.dedup();
+    within
+}
+
+/// The middle of each way at a distance, as a place about the sensor: of the components there that its cells lie in, the mean of those
+/// cells to which no other way of the component is nearer.
+fn middles_m(
+    sphere: &Sphere,
+    reach_m: &[f64],
+    at_m: f64,
+    ways: &[Vec<u32>],
+    sets: &mut DisjointSets,
+    of_cell: &mut Vec<Option<usize>>,
+) -> Vec<Option<Vector3<f64>>> {
+    components(sphere, reach_m, at_m, sets, of_cell);
+    let of_way: Vec<Vec<usize>> = ways.iter().map(|cells| within(cells, of_cell)).collect();
+    let direction = |cell: usize| sphere.directions[cell].into_inner();
+    let towards: Vec<Vector3<f64>> = ways
+        .iter()
+        .map(|cells| cells.iter().map(|cell| direction(*cell as usize)).sum::<Vector3<f64>>().normalize())
+        .collect();
+    let mut sums = vec![(Vector3::zeros(), 0.0); ways.len()];
+    for (cell, part) in of_cell.iter().enumerate().filter_map(|(cell, part)| part.map(|part| (cell, part))) {
+        let dot = |way: &usize| towards[*way].dot(&direction(cell));
+        let nearest =
+            (0..ways.len()).filter(|way| of_way[*way].contains(&part)).max_by(|a, b| dot(a).total_cmp(&dot(b)));
+        if let Some(way) = nearest {
+            sums[way] = (sums[way].0 + direction(cell), sums[way].1 + 1.0);
+        }
+    }
+    sums.into_iter().map(|(sum, cells)| (cells > 0.0).then(|| sum * (at_m / cells))).collect()
 }
 
 /// Whether something is known in a small share of all directions.
@@ -135,6 +183,7 @@ fn known_of(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64, cells:
     let of_farthest = farthest.map(|cell| sphere.directions[cell].into_inner());
     Way {
         direction: middle.or(of_farthest).unwrap_or_else(Vector3::x),
+        slope_rad: 0.0,
         clearance_m: 2.0 * largest_m,
         p: if is_wide { WIDE_ODDS } else { right_share },
         evidence: if 2 * nothing > cells().count() { Evidence::NoReturn } else { Evidence::SeenThrough },
