@@ -20,13 +20,15 @@
 //!    place that is wide for its height, and where something is seen hardly farther than r: it is rather the vehicle.
 //!
 //! 6. **Slope** of a way is the elevation of the line between its middles at 2 R and 3 R, each the mean of the cells with F(e) that
-//!    far: where the sensor stands, low or high, does not turn that line.
+//!    far: where the sensor stands, low or high, does not turn that line. Where the view cuts them above or below, it is that of the
+//!    line between their other edges.
 //!
 //! The direction of a way is the mean of its cells, by the square of the room around the point 2.36 R away on each, or that in
 //! which the vehicle gets farthest, if the way is not open at its mean; its clearance is twice the largest of these rooms. Of a scan without a cloud, the cells are those of the horizon, 1° wide.
 
 mod reach;
 mod sight;
+mod slope;
 mod sphere;
 mod ways;
 

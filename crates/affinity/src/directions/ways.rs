@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 
 use super::reach::clear_m;
 use super::sight::{Seen, Sight};
+use super::slope;
 use super::sphere::Sphere;
 
 /// Ways are components of the directions in which the vehicle gets as far, in multiples of the room at the sensor.
@@ -20,9 +21,6 @@ const RIGHT_SHARE: [f64; RADII.len() + 1] = [0.4, 0.4, 0.5, 0.6, 0.85, 0.98];
 /// And as much of it where the view cuts a way, or something is known in a smaller share of all directions: the room may be less
 /// than is seen. If nothing is seen in the way either, as much as the second number.
 const CUT_SHARE: [f64; 2] = [0.95, 0.87];
-/// The slope of a way is that of the line from its middle at the first of these distances to that at the second, or where the vehicle
-/// gets less far, at the third: those of the truth in a mesh.
-const MIDDLES: [f64; 3] = [2.0, 3.0, ON];
 /// See [`CUT_SHARE`].
 const KNOWN_SHARE: f64 = 0.75;
 
@@ -68,13 +66,7 @@ pub(super) fn find(
         }
     }
     let is_narrow = is_narrow(sphere, sight);
-    let [near_m, far_m, less_far_m] =
-        MIDDLES.map(|radius| middles_m(sphere, reach_m, radius * room_m, &parts, &mut sets, &mut of_cell));
-    let slopes_rad = (0..parts.len()).map(|way| {
-        let line = far_m[way].or(less_far_m[way]).zip(near_m[way]).map(|(far_m, near_m)| far_m - near_m);
-        line.and_then(|line| line.try_normalize(0.0)).map(|line| line.dot(up).clamp(-1.0, 1.0).asin())
-    });
-    let slopes_rad: Vec<Option<f64>> = slopes_rad.collect();
+    let slopes_rad = slope::slopes_rad(sphere, sight, reach_m, room_m, up, &parts, &mut sets);
     let known = |((cells, stays), slope_rad): ((Vec<u32>, usize), Option<f64>)| {
         let mut way = known_of(sphere, sight, reach_m, room_m, &cells, RIGHT_SHARE[stays]);
         way.slope_rad = slope_rad.unwrap_or_else(|| way.direction.dot(up).clamp(-1.0, 1.0).asin());
@@ -90,40 +82,11 @@ pub(super) fn find(
 }
 
 /// The components that cells lie in, ascending.
-fn within(cells: &[u32], of_cell: &[Option<usize>]) -> Vec<usize> {
+pub(super) fn within(cells: &[u32], of_cell: &[Option<usize>]) -> Vec<usize> {
     let mut within: Vec<usize> = cells.iter().filter_map(|cell| of_cell[*cell as usize]).collect();
     within.sort_unstable();
     within.dedup();
     within
-}
-
-/// The middle of each way at a distance, as a place about the sensor: of the components there that its cells lie in, the mean of those
-/// cells to which no other way of the component is nearer.
-fn middles_m(
-    sphere: &Sphere,
-    reach_m: &[f64],
-    at_m: f64,
-    ways: &[Vec<u32>],
-    sets: &mut DisjointSets,
-    of_cell: &mut Vec<Option<usize>>,
-) -> Vec<Option<Vector3<f64>>> {
-    components(sphere, reach_m, at_m, sets, of_cell);
-    let of_way: Vec<Vec<usize>> = ways.iter().map(|cells| within(cells, of_cell)).collect();
-    let direction = |cell: usize| sphere.directions[cell].into_inner();
-    let towards: Vec<Vector3<f64>> = ways
-        .iter()
-        .map(|cells| cells.iter().map(|cell| direction(*cell as usize)).sum::<Vector3<f64>>().normalize())
-        .collect();
-    let mut sums = vec![(Vector3::zeros(), 0.0); ways.len()];
-    for (cell, part) in of_cell.iter().enumerate().filter_map(|(cell, part)| part.map(|part| (cell, part))) {
-        let dot = |way: &usize| towards[*way].dot(&direction(cell));
-        let nearest =
-            (0..ways.len()).filter(|way| of_way[*way].contains(&part)).max_by(|a, b| dot(a).total_cmp(&dot(b)));
-        if let Some(way) = nearest {
-            sums[way] = (sums[way].0 + direction(cell), sums[way].1 + 1.0);
-        }
-    }
-    sums.into_iter().map(|(sum, cells)| (cells > 0.0).then(|| sum * (at_m / cells))).collect()
 }
 
 /// Whether something is known in a small share of all directions.
@@ -133,7 +96,7 @@ pub(super) fn is_narrow(sphere: &Sphere, sight: &Sight) -> bool {
 }
 
 /// The components of the cells in which the vehicle gets as far, and of each cell its component.
-fn components(
+pub(super) fn components(
     sphere: &Sphere,
     reach_m: &[f64],
     apart_m: f64,
