@@ -153,8 +153,12 @@ impl Sky {
             return Vec::new();
         }
         let up = self.tilt.inverse_transform_vector(&Vector3::z());
-        let mut found = ways::find(&self.sphere, &self.sight, &self.reach_m, self.room_m, &up, self.is_doubtful());
-        found.iter_mut().for_each(|found| found.way.direction = self.leveled(found.way.direction));
+        let mut found = ways::find(&self.sphere, &self.sight, &self.reach_m, self.room_m, self.is_doubtful());
+        let slopes_rad = slope::slopes_rad(&self.sphere, &self.sight, &self.reach_m, self.room_m, &up, &found);
+        for (Found { way, .. }, slope_rad) in found.iter_mut().zip(slopes_rad) {
+            way.direction = self.leveled(way.direction);
+            way.slope_rad = slope_rad.unwrap_or_else(|| way.elevation_rad());
+        }
         found
     }
 

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 
 use super::sight::{Seen, Sight};
 use super::sphere::Sphere;
-use super::ways::{ON, components, within};
+use super::ways::{Found, ON, components, within};
 
 /// The slope of a way is that of the line from its middle at the first of these distances, in multiples of the room at the sensor, to
 /// that at the second, or where the vehicle gets less far, at the third. The first two are those of the truth in a mesh.
@@ -21,17 +21,18 @@ struct Section {
     is_cut: [bool; 2],
 }
 
-/// The slope of each way, whose cells these are; `None` where it has no section that far.
+/// The slope of each way, radians, where `up` is the vertical axis; `None` where it has no section that far.
 pub(super) fn slopes_rad(
     sphere: &Sphere,
     sight: &Sight,
     reach_m: &[f64],
     room_m: f64,
     up: &Vector3<f64>,
-    ways: &[Vec<u32>],
-    sets: &mut DisjointSets,
+    ways: &[Found],
 ) -> Vec<Option<f64>> {
-    let [near, far, less_far] = MIDDLES.map(|radius| sections(sphere, sight, reach_m, radius * room_m, ways, sets));
+    let mut sets = DisjointSets::default();
+    let [near, far, less_far] =
+        MIDDLES.map(|radius| sections(sphere, sight, reach_m, radius * room_m, ways, &mut sets));
     let slope_rad = |way: usize| {
         let (near, far) = near[way].zip(far[way].or(less_far[way]))?;
         let line = match [0, 1].map(|edge| near.is_cut[edge] || far.is_cut[edge]) {
@@ -58,35 +59,36 @@ fn sections(
     sight: &Sight,
     reach_m: &[f64],
     at_m: f64,
-    ways: &[Vec<u32>],
+    ways: &[Found],
     sets: &mut DisjointSets,
 ) -> Vec<Option<Section>> {
     let mut of_cell = Vec::new();
     components(sphere, reach_m, at_m, sets, &mut of_cell);
-    let of_way: Vec<Vec<usize>> = ways.iter().map(|cells| within(cells, &of_cell)).collect();
+    let of_way: Vec<Vec<usize>> = ways.iter().map(|way| within(&way.cells, &of_cell)).collect();
     let direction = |cell: u32| sphere.directions[cell as usize].into_inner();
-    let towards: Vec<Vector3<f64>> =
-        ways.iter().map(|cells| cells.iter().map(|cell| direction(*cell)).sum::<Vector3<f64>>().normalize()).collect();
+    let towards: Vec<Vector3<f64>> = ways
+        .iter()
+        .map(|way| way.cells.iter().map(|cell| direction(*cell)).sum::<Vector3<f64>>().normalize())
+        .collect();
     let mut cells = vec![Vec::new(); ways.len()];
     for (cell, part) in (0..).zip(&of_cell).filter_map(|(cell, part)| part.map(|part| (cell, part))) {
         let dot = |way: &usize| towards[*way].dot(&direction(cell));
         let of_part = (0..ways.len()).filter(|way| of_way[*way].contains(&part));
-        cells
-            .get_mut(of_part.max_by(|a, b| dot(a).total_cmp(&dot(b))).unwrap_or(ways.len()))
-            .into_iter()
-            .for_each(|of| of.push(cell));
+        if let Some(way) = of_part.max_by(|a, b| dot(a).total_cmp(&dot(b))) {
+            cells[way].push(cell);
+        }
     }
     let section = |cells: Vec<u32>| {
         let sum: Vector3<f64> = cells.iter().map(|cell| direction(*cell)).sum();
         let heights = cells.iter().map(|cell| direction(*cell).z);
         let [low, high] = heights.fold([1.0_f64, -1.0], |[low, high], z| [low.min(z), high.max(z)]);
         let half_rad = 0.5 * sphere.step_rad();
-        let unknown = |cell: &u32| {
-            let beside = sphere.neighbours[*cell as usize].iter().copied();
-            let of_unknown = beside.filter(|other| sight.seen[*other as usize] == Seen::Unknown);
-            of_unknown.map(|other| direction(other).z - direction(*cell).z).collect::<Vec<_>>()
-        };
-        let rises: Vec<f64> = cells.iter().flat_map(unknown).collect();
+        let beside = |cell: u32| sphere.neighbours[cell as usize].iter().map(move |other| (cell, *other));
+        let unknown = cells
+            .iter()
+            .flat_map(|cell| beside(*cell))
+            .filter(|(_, other)| sight.seen[*other as usize] == Seen::Unknown);
+        let rises: Vec<f64> = unknown.map(|(cell, other)| direction(other).z - direction(cell).z).collect();
         (!cells.is_empty()).then(|| Section {
             middle_m: sum * (at_m / cells.len() as f64),
             edges_m: [low.asin() - half_rad, high.asin() + half_rad].map(|rad| at_m * rad.sin()),

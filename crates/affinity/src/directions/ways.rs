@@ -5,7 +5,6 @@ use nalgebra::Vector3;
 
 use super::reach::clear_m;
 use super::sight::{Seen, Sight};
-use super::slope;
 use super::sphere::Sphere;
 
 /// Ways are components of the directions in which the vehicle gets as far, in multiples of the room at the sensor.
@@ -40,16 +39,9 @@ pub struct Found {
     pub cells: Vec<u32>,
 }
 
-/// The ways, by their first cell, of a sight with as much room at the sensor, whose vertical axis is `up`; none of them is sure where
+/// The ways, by their first cell, of a sight with as much room at the sensor, all but their slopes; none of them is sure where
 /// `is_doubtful`.
-pub(super) fn find(
-    sphere: &Sphere,
-    sight: &Sight,
-    reach_m: &[f64],
-    room_m: f64,
-    up: &Vector3<f64>,
-    is_doubtful: bool,
-) -> Vec<Found> {
+pub(super) fn find(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64, is_doubtful: bool) -> Vec<Found> {
     let (mut sets, mut of_cell) = (DisjointSets::default(), Vec::new());
     let mut parts = components(sphere, reach_m, APART * room_m, &mut sets, &mut of_cell);
     let is_on = |cells: &Vec<u32>| cells.iter().any(|cell| reach_m[*cell as usize] >= ON * room_m);
@@ -57,7 +49,7 @@ pub(super) fn find(
     let mut stays = vec![0; parts.len()];
     for radius in RADII {
         let at = components(sphere, reach_m, radius * room_m, &mut sets, &mut of_cell).len();
-        // More than one way in a component, or none, does not stay.
+        // A way that shares its component with others, or has none, does not stay.
         let of_way: Vec<Vec<usize>> = parts.iter().map(|cells| within(cells, &of_cell)).collect();
         let mut taken = vec![0; at];
         of_way.iter().flatten().for_each(|part| taken[*part] += 1);
@@ -66,10 +58,8 @@ pub(super) fn find(
         }
     }
     let is_narrow = is_narrow(sphere, sight);
-    let slopes_rad = slope::slopes_rad(sphere, sight, reach_m, room_m, up, &parts, &mut sets);
-    let known = |((cells, stays), slope_rad): ((Vec<u32>, usize), Option<f64>)| {
+    let known = |(cells, stays): (Vec<u32>, usize)| {
         let mut way = known_of(sphere, sight, reach_m, room_m, &cells, RIGHT_SHARE[stays]);
-        way.slope_rad = slope_rad.unwrap_or_else(|| way.direction.dot(up).clamp(-1.0, 1.0).asin());
         if way.cut_by_view || is_narrow {
             way.p *= CUT_SHARE[usize::from(way.evidence == Evidence::NoReturn)];
         }
@@ -78,7 +68,7 @@ pub(super) fn find(
         }
         Found { way, cells }
     };
-    parts.into_iter().zip(stays).zip(slopes_rad).map(known).collect()
+    parts.into_iter().zip(stays).map(known).collect()
 }
 
 /// The components that cells lie in, ascending.
