@@ -233,48 +233,57 @@ const RAMP_RAD: f64 = 0.45;
 const OF_VEHICLE: Quaternion = Quaternion { x: -0.16, y: 0.1, z: 0.51, w: 0.84 };
 /// 22° nose down, as lidars are mounted that look at the floor.
 const OF_MOUNT: Quaternion = Quaternion { x: 0.0, y: 0.19, z: 0.0, w: 0.98 };
+/// The turn by the mount, then that by the vehicle.
+const OF_LIDAR: Quaternion = Quaternion { x: -0.2537, y: 0.2576, z: 0.4694, w: 0.8042 };
 
 #[test]
 fn a_cloud_of_a_tilted_lidar_on_a_tilted_vehicle_has_level_ways_and_ramps_as_they_are() {
     let inverse = |of: Quaternion| Quaternion { w: -of.w, ..of };
     let cloud = at_a_ramp(|point_m| inverse(OF_MOUNT).turn(inverse(OF_VEHICLE).turn(point_m)));
-    let mut odometry = Odometry::default();
-    odometry.header = stamp(PERIOD_NS);
-    odometry.pose.pose.orientation = OF_VEHICLE;
-    let header = Header { frame_id: "base_link".into(), ..Header::default() };
-    let transform = Transform { rotation: OF_MOUNT, ..Transform::default() };
-    let transforms = vec![TransformStamped { header, child_frame_id: "lidar".into(), transform }];
     let points = vec![PointCloud2::from(&cloud).encode(Endian::Little)];
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let flight = file(
-        folder.path(),
-        "tilted.mcap",
-        &recorded_topics([
+    let noted = |of_frame: &str, orientation: Quaternion| {
+        let mut odometry =
+            Odometry { child_frame_id: of_frame.into(), header: stamp(PERIOD_NS), ..Odometry::default() };
+        odometry.pose.pose.orientation = orientation;
+        let header = Header { frame_id: "base_link".into(), ..Header::default() };
+        let transform = Transform { rotation: OF_MOUNT, ..Transform::default() };
+        let transforms = vec![TransformStamped { header, child_frame_id: "lidar".into(), transform }];
+        let topics = [
             ("/tf_static", TfMessage::SCHEMA_NAME, 1, vec![TfMessage { transforms }.encode(Endian::Little)]),
             ("/odom", Odometry::SCHEMA_NAME, 1, vec![odometry.encode(Endian::Little)]),
             ("/points", PointCloud2::SCHEMA_NAME, 1, points.clone()),
-        ]),
-    );
-    let (ran, lines) = results_of(&flight, &["--quiet", "--preset", "3d"]);
-    ran.expect_code(0);
-    let notes = lines[0]["notes"].to_string();
-    assert!(notes.contains("sensor is tilted by 21.9°") && notes.contains("vehicle is tilted by"), "{notes}");
-    // Clockwise from the heading of the vehicle.
-    let heading_rad = OF_VEHICLE.yaw_rad();
-    let quarter_rad = std::f64::consts::FRAC_PI_2;
-    let mut wanted = vec![("level", 0.0, 0.0), ("ramp_up", quarter_rad, RAMP_RAD), ("level", 2.0 * quarter_rad, 0.0)];
-    for way in lines[0]["ways"].as_array().expect("ways") {
-        let [bearing_rad, elevation_rad] =
-            ["bearing_rad", "elevation_rad"].map(|name| way[name].as_f64().expect("rad"));
-        let fits = |(kind, towards_rad, up_rad): &(&str, f64, f64)| {
-            let off_rad = (bearing_rad + heading_rad - towards_rad).rem_euclid(f64::from(TAU));
-            let off_rad = off_rad.min(f64::from(TAU) - off_rad);
-            way["kind"] == *kind && off_rad < MOST_OFF_RAD && (elevation_rad - up_rad).abs() < MOST_OFF_RAD
-        };
-        let at = wanted.iter().position(fits).unwrap_or_else(|| panic!("{way} is none of {wanted:?}"));
-        wanted.remove(at);
+        ];
+        let flight = file(folder.path(), "tilted.mcap", &recorded_topics(topics));
+        let (ran, mut lines) = results_of(&flight, &["--quiet", "--preset", "3d"]);
+        ran.expect_code(0);
+        lines.swap_remove(0)
+    };
+    for (of_frame, orientation) in [("base_link", OF_VEHICLE), ("lidar", OF_LIDAR)] {
+        let line = noted(of_frame, orientation);
+        let notes = line["notes"].to_string();
+        assert!(notes.contains("vehicle is tilted by"), "{notes}");
+        assert_eq!(notes.contains("sensor is tilted by 21.9°"), of_frame == "base_link", "{notes}");
+        // Clockwise from the heading of the frame.
+        let heading_rad = orientation.yaw_rad();
+        let quarter_rad = std::f64::consts::FRAC_PI_2;
+        let mut wanted =
+            vec![("level", 0.0, 0.0), ("ramp_up", quarter_rad, RAMP_RAD), ("level", 2.0 * quarter_rad, 0.0)];
+        for way in line["ways"].as_array().expect("ways") {
+            let [bearing_rad, elevation_rad] =
+                ["bearing_rad", "elevation_rad"].map(|name| way[name].as_f64().expect("rad"));
+            let fits = |(kind, towards_rad, up_rad): &(&str, f64, f64)| {
+                let off_rad = (bearing_rad + heading_rad - towards_rad).rem_euclid(f64::from(TAU));
+                let off_rad = off_rad.min(f64::from(TAU) - off_rad);
+                way["kind"] == *kind && off_rad < MOST_OFF_RAD && (elevation_rad - up_rad).abs() < MOST_OFF_RAD
+            };
+            let at = wanted.iter().position(fits).unwrap_or_else(|| panic!("{way} is none of {wanted:?}"));
+            wanted.remove(at);
+        }
+        assert!(wanted.is_empty(), "{wanted:?} are not found");
     }
-    assert!(wanted.is_empty(), "{wanted:?} are not found");
+    let of_zeros = noted("base_link", Quaternion { w: 0.0, ..Quaternion::default() });
+    assert!(of_zeros["notes"].to_string().contains("taken to be level"), "{}", of_zeros["notes"]);
     let flight =
         file(folder.path(), "alone.mcap", &recorded_topics([("/points", PointCloud2::SCHEMA_NAME, 1, points)]));
     let (_, lines) = results_of(&flight, &["--quiet", "--preset", "3d"]);

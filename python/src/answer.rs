@@ -118,6 +118,7 @@ impl Answer {
                     direction,
                     way.bearing_rad,
                     way.elevation_rad,
+                    way.slope_rad,
                     way.clearance_m,
                     way.kind,
                     way.p,

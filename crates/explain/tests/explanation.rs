@@ -348,15 +348,16 @@ fn verdicts_closest_to_the_threshold_come_first() {
 #[test]
 fn ways_say_in_metres_what_parts_them_by_the_numbers_of_the_report() {
     let to = |x, y, z| Point::new(x, y, z).coords;
-    let way = |direction, clearance_m, p, is_wide| Way {
-        direction,
+    let way = |[x, y, z]: [f64; 3], clearance_m, p, is_wide| Way {
+        direction: to(x, y, z),
+        slope_rad: z.asin(),
         clearance_m,
         p,
         evidence: Evidence::SeenThrough,
         cut_by_view: is_wide,
         is_wide,
     };
-    let [raise, left] = [way(to(0.0, 0.0, 1.0), 2.44, 0.98, false), way(to(0.0, 1.0, 0.0), 3.0, 0.6, true)];
+    let [raise, left] = [way([0.0, 0.0, 1.0], 2.44, 0.98, false), way([0.0, 1.0, 0.0], 3.0, 0.6, true)];
     let cell = |direction, reach_m, way| Cell { direction, range_m: reach_m, reach_m, way };
     let mut frame = Frame::default();
     frame.affinity.dual = Some(Dual {

@@ -2,8 +2,9 @@
 
 use std::collections::VecDeque;
 
+use crosscut_messages::ros::plain_frame;
 use crosscut_messages::{DecodeError, ODOMETRY_TOPIC};
-use crosscut_sensor::{Odometry, VehiclePose, pose_in};
+use crosscut_sensor::{Odometry, StatedPose, VehiclePose, pose_in};
 
 use crate::container::{self, Container, Contents, Message, TopicReader, Wait};
 use crate::topics::topics_of;
@@ -26,6 +27,8 @@ pub(crate) struct OdometryReader {
     files: VecDeque<Contents>,
     reader: Option<TopicReader>,
     poses: Odometry,
+    /// The frame that they are of, by the last message.
+    frame_id: String,
     /// How many messages cannot be read, and why the first cannot.
     unreadable: Option<(u64, DecodeError)>,
     any_read: bool,
@@ -60,6 +63,7 @@ impl OdometryReader {
             files,
             reader,
             poses: Odometry::default(),
+            frame_id: String::new(),
             unreadable: None,
             any_read: false,
             last_stamp_ns: None,
@@ -79,8 +83,9 @@ impl OdometryReader {
             let Some(message) = self.next_message() else { break };
             let log_time_ns = message.log_time_ns;
             match pose_in(self.topic.has_odometry(), &self.topic.encoding, &message.data) {
-                Ok(Some((pose_ns, pose))) => {
+                Ok(Some(StatedPose { stamp_ns: pose_ns, frame_id, pose })) => {
                     self.any_read = true;
+                    self.frame_id = frame_id;
                     // A stamp that is missing, or stands still, is replaced as that of a scan.
                     let is_same = self.last_stamp_ns.replace(pose_ns) == Some(pose_ns);
                     self.same_stamps = if is_same { self.same_stamps + 1 } else { 0 };
@@ -98,6 +103,11 @@ impl OdometryReader {
             }
         }
         Some([self.poses.at(first_ns)?, self.poses.at(last_ns)?])
+    }
+
+    /// Whether the poses that were read last are those of this frame.
+    pub(crate) fn is_of(&self, frame_id: &str) -> bool {
+        !self.frame_id.is_empty() && self.frame_id == plain_frame(frame_id)
     }
 
     /// What could not be read of it, once it is read: how many messages of which topic, and why the first.

@@ -403,7 +403,9 @@ impl Recording {
             Ok(scan) if self.sensor.deskews() => times_s(scan, turn.beam_s),
             _ => [0.0; 2],
         };
-        Motion::during(stamp_ns, times_s, |stamps_ns| odometry.at(stamps_ns, turn.recorded_ns))
+        let mut motion = Motion::during(stamp_ns, times_s, |stamps_ns| odometry.at(stamps_ns, turn.recorded_ns))?;
+        motion.is_of_sensor = turn.scan.as_ref().is_ok_and(|scan| odometry.is_of(&scan.header().frame_id));
+        Some(motion)
     }
 
     /// Notes a turn that was recorded before the one that was given last.

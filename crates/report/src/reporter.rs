@@ -92,6 +92,11 @@ impl Reporter {
             let found = ways::of_clusters(dual, partition)?;
             let (verdicts, partition) = ways::level(&found, dual, revolution, revolution.beams(), self.vehicle_width_m);
             self.walls(revolution, &verdicts, spectrum, &partition, out, notes)?;
+            if verdicts.is_empty() && revolution.beams().is_some() {
+                // Free space at the height of the vehicle is no way on by itself.
+                out.openings.clear();
+                out.place = place::name(openings::sees_all(&self.outline), out.junctions, &out.openings);
+            }
             // The count is as right as the most doubtful way. That there is none, a sensor that is covered tells as well.
             let least = found.iter().map(|way| way.p).reduce(f64::min);
             let of_none = if dual.cut_m > 0.0 { OF_NO_WAY } else { 0.0 };

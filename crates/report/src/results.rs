@@ -144,6 +144,8 @@ pub struct WayLine {
     pub bearing_rad: f64,
     /// Its elevation, up is positive.
     pub elevation_rad: f64,
+    /// How steep it is, up is positive: the elevation of the line along its middle.
+    pub slope_rad: f64,
     /// Diameter of the largest ball that passes.
     pub clearance_m: f64,
     /// `level`, `ramp_up`, `ramp_down`, `shaft_up` or `shaft_down`.
@@ -162,6 +164,7 @@ impl WayLine {
             direction: way.direction.into(),
             bearing_rad: way.bearing_rad(),
             elevation_rad: way.elevation_rad(),
+            slope_rad: way.slope_rad,
             clearance_m: way.clearance_m,
             kind: way.kind().to_string(),
             p: way.p,
@@ -327,6 +330,7 @@ mod tests {
         });
         let way = Way {
             direction: nalgebra::Vector3::x(),
+            slope_rad: 0.0,
             clearance_m: 1.0,
             p: 0.5,
             evidence: crosscut_stage::Evidence::NoReturn,

@@ -81,15 +81,20 @@ impl Sensor {
         out.clear();
         out.stamp_ns = cloud.header.stamp.to_ns().unwrap_or(0);
         out.frame_id.push_str(&cloud.header.frame_id);
-        self.note_mounting(notes);
-        let (sin, cos) = self.yaw_rad.sin_cos();
+        // Poses of the sensor itself have its mount in them.
+        let is_mounted = !(self.is_mount_stated && motion.is_some_and(|motion| motion.is_of_sensor));
+        let (yaw_rad, upside_down) = if is_mounted { (self.yaw_rad, self.upside_down) } else { (0.0, false) };
+        if is_mounted {
+            self.note_mounting(notes);
+        }
+        let (sin, cos) = yaw_rad.sin_cos();
         let (mut at_sensor, mut near, mut far, mut masked, mut of_other_rings) = (0, 0, 0, 0, 0);
         let slices = !self.rings.is_empty() && !cloud.rings.is_empty();
         if !self.rings.is_empty() && cloud.rings.is_empty() {
             notes.add(N030, "the cloud does not state rings: ingest.rings takes all points");
         }
-        let mount = tilted(self.tilt);
-        let vehicle = motion.and_then(|motion| tilted(motion.tilt()));
+        let of_vehicle = motion.and_then(Motion::tilt);
+        let (mount, vehicle) = (self.tilt.filter(|_| is_mounted).and_then(tilted), of_vehicle.and_then(tilted));
         let by_mount = ("sensor", "on its vehicle, by /tf_static; ingest.mount_from_tf = false turns this off");
         for (tilt, (what, by)) in [(mount, by_mount), (vehicle, ("vehicle", "by its odometry"))] {
             notes.extend(tilt.map(|tilt| {
@@ -98,8 +103,11 @@ impl Sensor {
             }));
         }
         out.cloud_tilt = vehicle.unwrap_or_default() * mount.unwrap_or_default();
-        if self.keeps_cloud && motion.is_none() {
+        if self.keeps_cloud && of_vehicle.is_none() {
             notes.add(N105, "no odometry tells how the vehicle is tilted: taken to be level");
+        }
+        if is_mounted && self.tilt.is_none() {
+            notes.add(N105, "the quaternion by which /tf_static mounts the sensor is no rotation: taken to be level");
         }
         let motion =
             motion.filter(|motion| motion.way_m() >= LEAST_WAY_M || motion.turned_rad().abs() >= LEAST_TURN_RAD);
@@ -115,7 +123,7 @@ impl Sensor {
                 continue;
             }
             let [x, y, z] = [x, y, z].map(|coordinate| coordinate * self.range_scale);
-            let [y, z] = if self.upside_down { [-y, -z] } else { [y, z] };
+            let [y, z] = if upside_down { [-y, -z] } else { [y, z] };
             let point_m = turned(mount, Point::new(x * cos - y * sin, x * sin + y * cos, z));
             let range_m = point_m.coords.norm();
             if !range_m.is_finite() {
@@ -196,8 +204,8 @@ mod tests {
         };
         let points_m = times_s.iter().enumerate().map(seen_m).collect();
         let mut cloud = Cloud { points_m, times_s, ..Cloud::default() };
-        let level = |time_s| VehiclePose { plane: pose(time_s), tilt: UnitQuaternion::default() };
-        let motion = Motion { times_s: [0.0, scan_s], poses: [0.0, scan_s].map(level) };
+        let level = |time_s| VehiclePose { plane: pose(time_s), tilt: Some(UnitQuaternion::default()) };
+        let motion = Motion { times_s: [0.0, scan_s], poses: [0.0, scan_s].map(level), is_of_sensor: false };
         let farthest_m = |cloud: &Cloud| {
             let (mut out, mut notes) = (Revolution::default(), Notes::default());
             Sensor::default().moving_cloud(cloud, Some(&motion), &mut out, &mut notes);

@@ -86,7 +86,7 @@ pub use before::Before;
 pub use csv::{CSV_PARAMS, CsvGeometry};
 pub use live::Live;
 pub use motion::{Motion, times_s};
-pub use odometry::{Odometry, VehiclePose, pose_in};
+pub use odometry::{Odometry, StatedPose, VehiclePose, pose_in};
 pub use revolution_writer::{LEARNED_SCANS, RevolutionWriter};
 pub use sensor::{MAX_RANGE_M, MIN_RANGE_M, PARAMS, Sensor, UPSIDE_DOWN, YAW_RAD, rescale};
 pub use turning::Turning;

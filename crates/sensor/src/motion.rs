@@ -11,6 +11,8 @@ pub struct Motion {
     /// Seconds after the stamp of the scan.
     pub(crate) times_s: [f64; 2],
     pub(crate) poses: [VehiclePose; 2],
+    /// The poses are those of the sensor itself.
+    pub is_of_sensor: bool,
 }
 
 impl Motion {
@@ -29,7 +31,7 @@ impl Motion {
                 let [last, first] = poses_at([last_ns, first_ns])?;
                 [first, last]
             };
-            Some(Self { times_s, poses })
+            Some(Self { times_s, poses, is_of_sensor: false })
         })
     }
 
@@ -44,8 +46,8 @@ impl Motion {
         self.at_middle().plane
     }
 
-    /// What turns the frame of the vehicle level in the middle of the scan.
-    pub(crate) fn tilt(&self) -> UnitQuaternion<f64> {
+    /// What turns the frame of the vehicle level in the middle of the scan, if its odometry states rotations.
+    pub(crate) fn tilt(&self) -> Option<UnitQuaternion<f64>> {
         self.at_middle().tilt
     }
 
@@ -99,9 +101,9 @@ mod tests {
 
     #[test]
     fn what_is_seen_on_the_way_lies_where_the_middle_sees_it() {
-        let level = |plane| VehiclePose { plane, tilt: UnitQuaternion::default() };
+        let level = |plane| VehiclePose { plane, tilt: Some(UnitQuaternion::default()) };
         let poses = [Isometry2::identity(), Isometry2::new(Vector2::new(2.0, 0.0), FRAC_PI_2)].map(level);
-        let motion = Motion { times_s: [-0.1, 0.1], poses };
+        let motion = Motion { times_s: [-0.1, 0.1], poses, is_of_sensor: false };
         assert!((motion.turned_rad() - FRAC_PI_2).abs() < 1e-12 && (motion.way_m() - 2.0).abs() < 1e-12);
         let place = Point2::new(5.0, 1.0);
         let expected = motion.middle().inverse_transform_point(&place);
@@ -109,7 +111,7 @@ mod tests {
             let seen = motion.at(time_s).plane.inverse_transform_point(&place);
             assert!((motion.in_middle(time_s) * seen - expected).norm() < 1e-12, "{time_s}");
         }
-        let still = Motion { times_s: [0.0; 2], poses: [poses[1]; 2] };
+        let still = Motion { times_s: [0.0; 2], poses: [poses[1]; 2], is_of_sensor: false };
         assert_eq!((still.middle(), still.turned_rad()), (poses[1].plane, 0.0));
     }
 }

@@ -3,7 +3,8 @@
 use std::ops::RangeInclusive;
 
 use crosscut_messages::{
-    CDR_ENCODING, DecodeError, Odometry as OdometryMessage, Quaternion, TfMessage, TransformStamped, Vector3, ros,
+    CDR_ENCODING, DecodeError, Header, Odometry as OdometryMessage, Quaternion, TfMessage, TransformStamped, Vector3,
+    ros,
 };
 use crosscut_stage::is_finite_pose;
 use nalgebra::{Isometry2, UnitQuaternion, Vector2, Vector3 as Axis};
@@ -22,14 +23,17 @@ const LENGTHS: RangeInclusive<f64> = 1e-3..=1e3;
 pub struct VehiclePose {
     /// In the plane.
     pub plane: Isometry2<f64>,
-    /// From the frame of the vehicle to the level one that looks where the vehicle does: its roll and pitch.
-    pub tilt: UnitQuaternion<f64>,
+    /// From the frame of the vehicle to the level one that looks where the vehicle does: its roll and pitch; `None` if the message
+    /// states no rotation.
+    pub tilt: Option<UnitQuaternion<f64>>,
 }
 
 impl VehiclePose {
     /// The pose on the straight line and the shorter turns from this one to another.
     pub(crate) fn between(&self, to: &Self, share: f64) -> Self {
-        Self { plane: self.plane.lerp_slerp(&to.plane, share), tilt: self.tilt.nlerp(&to.tilt, share) }
+        // Of quaternions of either sign, the shorter turn; at half a turn there is none.
+        let turned = |(from, to): (UnitQuaternion<f64>, _)| from.try_slerp(&to, share, 1e-9);
+        Self { plane: self.plane.lerp_slerp(&to.plane, share), tilt: self.tilt.zip(to.tilt).and_then(turned) }
     }
 }
 
@@ -63,7 +67,7 @@ impl Odometry {
     /// When the message cannot be decoded.
     pub fn push_message(&mut self, type_name: &str, data: &[u8]) -> Result<bool, DecodeError> {
         let found = pose_in(ros::is_odometry(type_name, CDR_ENCODING), CDR_ENCODING, data)?;
-        Ok(found.is_some_and(|(stamp_ns, pose)| self.push(stamp_ns, pose)))
+        Ok(found.is_some_and(|found| self.push(found.stamp_ns, found.pose)))
     }
 
     /// The stamp of the last pose.
@@ -102,38 +106,51 @@ impl Odometry {
     }
 }
 
-/// Stamp and pose in a message of odometry, else of transforms, if it holds one.
+/// A pose as a message states it.
+#[derive(Clone, Debug)]
+pub struct StatedPose {
+    /// Its stamp, nanoseconds since the epoch; 0 if there is none.
+    pub stamp_ns: u64,
+    /// The frame that moves, without a slash before it.
+    pub frame_id: String,
+    /// The pose of that frame.
+    pub pose: VehiclePose,
+}
+
+/// The pose in a message of odometry, else of transforms, if it holds one.
 ///
 /// # Errors
 /// When the message cannot be decoded.
-pub fn pose_in(is_odometry: bool, encoding: &str, data: &[u8]) -> Result<Option<(u64, VehiclePose)>, DecodeError> {
+pub fn pose_in(is_odometry: bool, encoding: &str, data: &[u8]) -> Result<Option<StatedPose>, DecodeError> {
     if is_odometry {
         let odometry: OdometryMessage = ros::decode(encoding, data)?;
-        let pose = odometry.pose.pose;
-        let length = pose.orientation.length();
-        if length != 0.0 && !LENGTHS.contains(&length) {
-            let cause = format!("a quaternion of length {length:e} is no rotation");
-            return Err(DecodeError::Value { field: "pose.orientation", cause });
-        }
-        let stamp_ns = odometry.header.stamp.to_ns().unwrap_or(0);
-        return Ok(Some((stamp_ns, vehicle_pose(pose.position, &pose.orientation))));
+        let pose = vehicle_pose("pose.orientation", odometry.pose.pose.position, &odometry.pose.pose.orientation)?;
+        return Ok(Some(stated(&odometry.header, &odometry.child_frame_id, pose)));
     }
     let transforms: TfMessage = ros::decode(encoding, data)?;
     let is_moving = |one: &&TransformStamped| ros::plain_frame(&one.header.frame_id) == ODOMETRY_FRAME;
-    let found = transforms.transforms.iter().find(is_moving);
-    Ok(found.map(|one| {
-        let stamp_ns = one.header.stamp.to_ns().unwrap_or(0);
-        (stamp_ns, vehicle_pose(one.transform.translation, &one.transform.rotation))
-    }))
+    let Some(one) = transforms.transforms.iter().find(is_moving) else { return Ok(None) };
+    let pose = vehicle_pose("transform.rotation", one.transform.translation, &one.transform.rotation)?;
+    Ok(Some(stated(&one.header, &one.child_frame_id, pose)))
 }
 
-fn vehicle_pose(position: Vector3, orientation: &Quaternion) -> VehiclePose {
+fn stated(header: &Header, frame_id: &str, pose: VehiclePose) -> StatedPose {
+    let stamp_ns = header.stamp.to_ns().unwrap_or(0);
+    StatedPose { stamp_ns, frame_id: ros::plain_frame(frame_id).to_owned(), pose }
+}
+
+fn vehicle_pose(field: &'static str, position: Vector3, orientation: &Quaternion) -> Result<VehiclePose, DecodeError> {
+    let length = orientation.length();
+    if length != 0.0 && !LENGTHS.contains(&length) {
+        let cause = format!("a quaternion of length {length:e} is no rotation");
+        return Err(DecodeError::Value { field, cause });
+    }
     let Quaternion { x, y, z, w } = *orientation;
     let plane = Isometry2::new(Vector2::new(position.x, position.y), orientation.yaw_rad());
-    // Some drivers send zeros.
-    let turned = UnitQuaternion::try_new(nalgebra::Quaternion::new(w, x, y, z), 1e-9).unwrap_or_default();
     let ahead = UnitQuaternion::from_axis_angle(&Axis::z_axis(), plane.rotation.angle());
-    VehiclePose { plane, tilt: ahead.inverse() * turned }
+    // Some drivers send zeros: then the place alone is known.
+    let turned = UnitQuaternion::try_new(nalgebra::Quaternion::new(w, x, y, z), 1e-9);
+    Ok(VehiclePose { plane, tilt: turned.map(|turned| ahead.inverse() * turned) })
 }
 
 #[cfg(test)]
@@ -145,7 +162,7 @@ mod tests {
     use super::*;
 
     fn pose(x_m: f64, yaw_rad: f64) -> VehiclePose {
-        VehiclePose { plane: Isometry2::new(Vector2::new(x_m, 0.0), yaw_rad), tilt: UnitQuaternion::default() }
+        VehiclePose { plane: Isometry2::new(Vector2::new(x_m, 0.0), yaw_rad), tilt: Some(UnitQuaternion::default()) }
     }
 
     fn quarter_turn() -> Odometry {
@@ -178,6 +195,25 @@ mod tests {
         assert!(!odometry.push(150_000_000, pose(9.0, 0.0)));
         assert!(!odometry.push(300_000_000, pose(f64::NAN, 0.0)));
         assert_eq!(odometry.at(200_000_000), Some(pose(3.0, FRAC_PI_2)));
+    }
+
+    #[test]
+    fn a_tilt_is_known_where_both_poses_around_state_a_rotation() {
+        let message = |yaw_rad: f64, sign: f64| {
+            let turned = sign * UnitQuaternion::from_euler_angles(0.1, 0.0, yaw_rad).into_inner();
+            Quaternion { x: turned.i, y: turned.j, z: turned.k, w: turned.w }
+        };
+        let zeros = Quaternion { x: 0.0, y: 0.0, z: 0.0, w: 0.0 };
+        for (to, is_known) in [(message(-3.1, 1.0), true), (message(-3.1, -1.0), true), (zeros, false)] {
+            let mut odometry = Odometry::default();
+            for (stamp_ns, turn) in [(100, message(3.1, 1.0)), (200, to)] {
+                assert!(odometry.push(stamp_ns, vehicle_pose("", Vector3::default(), &turn).expect("a rotation")));
+            }
+            let tilt = odometry.at(150).expect("inside").tilt;
+            assert_eq!(tilt.map(|tilt| (tilt.angle() * 1e3).round()), is_known.then_some(100.0), "{to:?}");
+        }
+        let no_turn = Quaternion { w: f64::NAN, ..zeros };
+        assert!(vehicle_pose("", Vector3::default(), &no_turn).is_err());
     }
 
     #[test]

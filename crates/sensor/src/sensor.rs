@@ -115,7 +115,7 @@ pub struct Sensor {
     pub(crate) yaw_rad: f64,
     pub(crate) upside_down: bool,
     /// How it is turned besides, after the yaw: the roll and pitch of its mount, which clouds have.
-    pub(crate) tilt: UnitQuaternion<f64>,
+    pub(crate) tilt: Option<UnitQuaternion<f64>>,
     pub(crate) min_range_m: f64,
     pub(crate) max_range_m: f64,
     masked_sectors_rad: Vec<[f64; 2]>,
@@ -127,7 +127,7 @@ pub struct Sensor {
     deskews: bool,
     takes_mount: bool,
     /// The transform that the recording states gives the mount.
-    is_mount_stated: bool,
+    pub(crate) is_mount_stated: bool,
     pub(crate) range_scale: f64,
     pub(crate) vehicle_width_m: f64,
     pub(crate) vehicle_height_m: f64,
@@ -159,7 +159,7 @@ impl Sensor {
         Self {
             yaw_rad: params.get(YAW_RAD),
             upside_down: params.get(UPSIDE_DOWN),
-            tilt: UnitQuaternion::default(),
+            tilt: Some(UnitQuaternion::default()),
             min_range_m: params.get(MIN_RANGE_M),
             max_range_m: params.get(MAX_RANGE_M),
             masked_sectors_rad: params.get(MASKED_SECTORS_RAD),
@@ -202,8 +202,8 @@ impl Sensor {
     }
 
     /// This sensor, mounted as a recording states: in the frame of the vehicle it is turned over if it hangs upside down, then
-    /// by its yaw, then tilted, which clouds alone follow.
-    pub fn mounted(self, yaw_rad: f64, upside_down: bool, tilt: UnitQuaternion<f64>) -> Self {
+    /// by its yaw, then tilted, which clouds alone follow; `None` if the recording states no rotation.
+    pub fn mounted(self, yaw_rad: f64, upside_down: bool, tilt: Option<UnitQuaternion<f64>>) -> Self {
         Self { yaw_rad, upside_down, tilt, is_mount_stated: true, ..self }
     }
 

@@ -79,6 +79,8 @@ pub struct Between {
 pub struct Way {
     /// Towards it, in the body frame; a unit vector.
     pub direction: Vector3<f64>,
+    /// How steep it is, in [-π/2, π/2], up is positive: the elevation of the line along its middle, wherever in the place the sensor is.
+    pub slope_rad: f64,
     /// Diameter of the largest ball that passes, metres.
     pub clearance_m: f64,
     /// The odds that it is one, as a probability.
@@ -102,27 +104,33 @@ pub enum WayKind {
     ShaftDown,
 }
 
+impl WayKind {
+    /// The kind of a slope in [-π/2, π/2]: level up to 10°, a ramp up to 50°, a shaft beyond.
+    pub fn of_slope(slope_rad: f64) -> Self {
+        match (slope_rad.abs() <= LEVEL_RAD, slope_rad.abs() <= RAMP_RAD, slope_rad > 0.0) {
+            (true, ..) => Self::Level,
+            (_, true, true) => Self::RampUp,
+            (_, true, false) => Self::RampDown,
+            (_, _, true) => Self::ShaftUp,
+            (_, _, false) => Self::ShaftDown,
+        }
+    }
+}
+
 impl Way {
     /// Its bearing, in (-π, π].
     pub fn bearing_rad(&self) -> f64 {
         self.direction.y.atan2(self.direction.x)
     }
 
-    /// Its elevation, in [-π/2, π/2].
+    /// Its elevation as seen from the sensor, in [-π/2, π/2].
     pub fn elevation_rad(&self) -> f64 {
         self.direction.z.clamp(-1.0, 1.0).asin()
     }
 
-    /// Where it leads: level up to 10°, a ramp up to 50°, a shaft beyond.
+    /// Where it leads.
     pub fn kind(&self) -> WayKind {
-        let (elevation_rad, up) = (self.elevation_rad().abs(), self.direction.z > 0.0);
-        match (elevation_rad <= LEVEL_RAD, elevation_rad <= RAMP_RAD, up) {
-            (true, ..) => WayKind::Level,
-            (_, true, true) => WayKind::RampUp,
-            (_, true, false) => WayKind::RampDown,
-            (_, _, true) => WayKind::ShaftUp,
-            (_, _, false) => WayKind::ShaftDown,
-        }
+        WayKind::of_slope(self.slope_rad)
     }
 
     /// "shaft up at +51°, 78° up: 2.6 m": where it leads, its bearing and elevation, and its clearance.

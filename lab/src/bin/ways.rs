@@ -6,9 +6,13 @@
 //! lab/run ways tiles 6 2 TILE.obj...                tiles whose passages are cut off at the end, in feet
 //! ```
 //!
+//! The second table is of lidars that stand low: 0.6 to 1 m above the ground, below places in the middle as those of the first.
+//!
 //! An answer is right if it has as many ways as are true, and for each of these one within 20° whose clearance is within
 //! 30 %. Of lidars that do not look everywhere, the true ways are the parts in view. Places are left out at which their number
-//! hangs on the edge of the view: it is another one 4° inside of it, or outside.
+//! hangs on the edge of the view: it is another one 4° inside of it, or outside. "Kind" is the share of true ways, of those that have
+//! an answer within 20°, whose kind is right, by the slope of the answer and by its elevation as seen from the lidar; the true slope is that
+//! of the line between the means of what is cut at 2 and at 3 local radii, of the whole way.
 
 use std::f64::consts::PI;
 use std::path::Path;
@@ -22,7 +26,7 @@ use crosscut_lab::solid::mesh::Mesh;
 use crosscut_lab::solid::truth::{RADII, Space, TrueWay};
 use crosscut_lab::solid::tubes::Network;
 use crosscut_messages::Cloud;
-use crosscut_stage::Way;
+use crosscut_stage::{Way, WayKind};
 use nalgebra::{Point3, Rotation3, UnitQuaternion, Vector3};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_pcg::Pcg64;
@@ -34,6 +38,8 @@ const VOXEL_M: f64 = 0.2;
 const EDGE_DEG: f64 = 4.0;
 const MOST_OFF_DEG: f64 = 20.0;
 const TILT_DEG: f64 = 15.0;
+/// How high above the ground a lidar stands that stands low.
+const LOW_M: std::ops::Range<f64> = 0.6..1.0;
 /// A shaft is steeper than that of `Way::kind`, degrees.
 const SHAFT_DEG: f64 = 50.0;
 
@@ -41,20 +47,36 @@ struct Place {
     place_m: Point3<f64>,
     /// Those in the view of each lidar, if their number is clear.
     ways: [Option<Vec<TrueWay>>; Lidar::ALL.len()],
+    /// The direction and the slope of all ways, radians.
+    slopes: Vec<(Vector3<f64>, f64)>,
+}
+
+impl Place {
+    /// The kind of the way that a part of a way is of.
+    fn kind(&self, part: &TrueWay) -> Option<WayKind> {
+        let dot = |of: &&(Vector3<f64>, f64)| of.0.dot(&part.direction);
+        self.slopes.iter().max_by(|a, b| dot(a).total_cmp(&dot(b))).map(|(_, slope_rad)| WayKind::of_slope(*slope_rad))
+    }
 }
 
 /// An answer: of each way its direction, its clearance, and how sure it is.
 type Answer = Vec<(Vector3<f64>, f64, f64)>;
 
-/// Clear places of a mesh, and how many were not.
-fn places(mesh: &Mesh, count: usize, most_leave: usize, random: &mut Pcg64) -> (Vec<Place>, usize) {
-    let space = Space::new(mesh, VOXEL_M);
+/// Clear places of a mesh, in the middle or low, and how many were not.
+fn places(
+    mesh: &Mesh,
+    space: &Space,
+    count: usize,
+    most_leave: usize,
+    is_low: bool,
+    random: &mut Pcg64,
+) -> (Vec<Place>, usize) {
     let (mut found, mut unclear) = (Vec::new(), 0);
     for _ in 0..2_000_000 {
         if found.len() == count {
             break;
         }
-        let place_m = space.place_m(random.random_range(0..space.count()));
+        let mut place_m = space.place_m(random.random_range(0..space.count()));
         let clear_m = space.clear_m(&place_m);
         if !(0.4..10.0).contains(&clear_m) {
             continue;
@@ -73,6 +95,13 @@ fn places(mesh: &Mesh, count: usize, most_leave: usize, random: &mut Pcg64) -> (
         if clear_m < 0.7 * room_m || room_m < 0.6 {
             continue;
         }
+        if is_low {
+            let (high_m, low_m) = (mesh.range_m(&place_m, &-Vector3::z()), random.random_range(LOW_M));
+            place_m.z -= high_m - low_m;
+            if low_m >= high_m || space.clear_m(&place_m) < 0.4 {
+                continue;
+            }
+        }
         let ways = |lidar: Lidar, reached: &[(usize, f64)], radii: &[f64]| {
             let views_deg = lidar.views_deg(EDGE_DEG);
             let cut = |radii: &f64| -> Vec<_> {
@@ -89,12 +118,26 @@ fn places(mesh: &Mesh, count: usize, most_leave: usize, random: &mut Pcg64) -> (
             all.map(|_| reached)
         };
         if let Some(reached) = is_clear(&RADII[..2]).and_then(|_| is_clear(&RADII)) {
-            found.push(Place { place_m, ways: Lidar::ALL.map(|lidar| ways(lidar, &reached, &RADII)) });
+            let ways = Lidar::ALL.map(|lidar| ways(lidar, &reached, &RADII));
+            let cut = |radius: f64| space.ways(&place_m, radius * room_m, Lidar::Full.view_deg(), &reached);
+            let [near, far] = [RADII[0], RADII[RADII.len() - 1]].map(cut);
+            let slope = |way: &TrueWay| {
+                let dot = |other: &&TrueWay| other.direction.dot(&way.direction);
+                let nearest =
+                    |ways: &[TrueWay]| ways.iter().max_by(|a, b| dot(a).total_cmp(&dot(b))).map(|way| way.middle_m);
+                Some((way.direction, elevation_rad(&(nearest(&far)? - nearest(&near)?))))
+            };
+            let slopes = ways[Lidar::Full as usize].iter().flatten().filter_map(slope).collect();
+            found.push(Place { place_m, ways, slopes });
         } else {
             unclear += 1;
         }
     }
     (found, unclear)
+}
+
+fn elevation_rad(towards: &Vector3<f64>) -> f64 {
+    towards.z.atan2(towards.xy().norm())
 }
 
 /// The components of far cells at one radius: 5° cells whose mean range is 2.5 times the least.
@@ -160,6 +203,8 @@ struct Figures {
     right: [usize; 3],
     sure: [usize; 2],
     shafts: [usize; 2],
+    /// Right by slope, and by elevation; and all.
+    kinds: [usize; 3],
     by_p: std::collections::BTreeMap<u64, [usize; 2]>,
     ms: f64,
 }
@@ -172,40 +217,50 @@ impl Figures {
         let of_places = |of: usize| share(of, self.places);
         let [level, radius, dual] = self.count.map(of_places);
         format!(
-            "| {name} | {} | {level} | {radius} | {dual} | {} | {} of {} | {} of {} | {:.1} |",
+            "| {name} | {} | {level} | {radius} | {dual} | {} | {} of {} | {} of {} | {} | {} | {:.1} |",
             self.places,
             of_places(self.right[2]),
             share(self.sure[0], self.sure[1]),
             self.sure[1],
             self.shafts[0],
             self.shafts[1],
+            share(self.kinds[0], self.kinds[2]),
+            share(self.kinds[1], self.kinds[2]),
             self.ms / self.places.max(1) as f64,
         )
     }
 }
 
+/// Of a lidar that is tilted, which is told or not.
 fn measure(
     lidar: Lidar,
-    tilt_deg: f64,
-    all: &[(Mesh, Vec<Place>)],
+    (tilt_deg, is_told): (f64, bool),
+    all: &[(&Mesh, &Vec<Place>)],
     level: &mut Detector,
     seed: u64,
 ) -> anyhow::Result<Figures> {
     let (mut figures, mut sky, mut random) = (Figures::default(), Sky::default(), Pcg64::seed_from_u64(seed));
+    let most_off = MOST_OFF_DEG.to_radians().cos();
     for (mesh, places) in all {
-        for Place { place_m, ways } in places {
-            let Some(ways) = &ways[lidar as usize] else { continue };
+        for place in *places {
+            let Some(ways) = &place.ways[lidar as usize] else { continue };
             let bearing_rad = random.random_range(-PI..PI);
             let axis = nalgebra::Unit::new_unchecked(Vector3::new(bearing_rad.cos(), bearing_rad.sin(), 0.0));
             let turned = Rotation3::from_axis_angle(&axis, tilt_deg.to_radians());
+            let mut cloud_m = lidar.cloud_m(mesh, &place.place_m, &turned, &mut random);
+            let (mut tilt, mut seen_as) = (UnitQuaternion::default(), turned.inverse());
+            if is_told {
+                cloud_m.iter_mut().for_each(|point_m| *point_m = turned * *point_m);
+                (tilt, seen_as) = (UnitQuaternion::from_rotation_matrix(&turned), Rotation3::identity());
+            }
             let seen: Vec<TrueWay> =
-                ways.iter().map(|way| TrueWay { direction: turned.inverse() * way.direction, ..*way }).collect();
+                ways.iter().map(|way| TrueWay { direction: seen_as * way.direction, ..*way }).collect();
             let truth: Vec<&TrueWay> = seen.iter().collect();
-            let cloud_m = lidar.cloud_m(mesh, place_m, &turned, &mut random);
             let started = Instant::now();
-            sky.look(&cloud_m, &UnitQuaternion::default(), BALL_M);
-            let found = of_ways(sky.ways().iter().map(|found| &found.way));
+            sky.look(&cloud_m, &tilt, BALL_M);
+            let answer: Vec<Way> = sky.ways().into_iter().map(|found| found.way).collect();
             figures.ms += started.elapsed().as_secs_f64() * 1e3;
+            let found = of_ways(&answer);
             let message = Cloud {
                 points_m: cloud_m.iter().map(|point| [point.x, point.y, point.z]).collect(),
                 ..Cloud::default()
@@ -230,9 +285,17 @@ fn measure(
             if least >= 0.9 {
                 figures.sure = [figures.sure[0] + usize::from(count), figures.sure[1] + 1];
             }
+            for (way, of_mesh) in seen.iter().zip(ways) {
+                let dot = |of: &&Way| of.direction.dot(&way.direction);
+                let nearest = answer.iter().filter(|of| dot(of) > most_off).max_by(|a, b| dot(a).total_cmp(&dot(b)));
+                if let Some((nearest, kind)) = nearest.zip(place.kind(of_mesh)) {
+                    let is_right = [nearest.kind() == kind, WayKind::of_slope(nearest.elevation_rad()) == kind, true];
+                    figures.kinds.iter_mut().zip(is_right).for_each(|(count, is)| *count += usize::from(is));
+                }
+            }
             let is_shaft = |of_mesh: &TrueWay| of_mesh.direction.z.abs() > SHAFT_DEG.to_radians().sin();
             for (way, _) in seen.iter().zip(ways).filter(|(_, of_mesh)| is_shaft(of_mesh)) {
-                let is_found = answers[2].iter().any(|(d, ..)| d.dot(&way.direction) > MOST_OFF_DEG.to_radians().cos());
+                let is_found = answers[2].iter().any(|(d, ..)| d.dot(&way.direction) > most_off);
                 figures.shafts = [figures.shafts[0] + usize::from(is_found), figures.shafts[1] + 1];
             }
         }
@@ -245,11 +308,16 @@ fn main() -> anyhow::Result<()> {
     let usage = "ways own|mesh|tiles COUNT SEED [MESH...]";
     let [set, count, seed] = args.first_chunk().context(usage)?;
     let (count, seed): (usize, u64) = (count.parse().context(usage)?, seed.parse().context(usage)?);
-    let mut random = Pcg64::seed_from_u64(seed);
-    let (mut all, mut unclear) = (Vec::new(), 0);
+    // Places in the middle, and low ones.
+    let mut randoms = [seed, !seed].map(Pcg64::seed_from_u64);
+    let (mut all, mut unclear) = (Vec::new(), [0; 2]);
     let mut add = |mesh: Mesh, count: usize, most_leave: usize| {
-        let (found, not) = places(&mesh, count, most_leave, &mut random);
-        unclear += not;
+        let space = Space::new(&mesh, VOXEL_M);
+        let found = [0, 1].map(|low| {
+            let (found, not) = places(&mesh, &space, count, most_leave, low == 1, &mut randoms[low]);
+            unclear[low] += not;
+            found
+        });
         all.push((mesh, found));
     };
     match set.as_str() {
@@ -260,27 +328,40 @@ fn main() -> anyhow::Result<()> {
         }
         _ => anyhow::bail!(usage),
     }
+    for (low, name) in ["in the middle", "0.6 to 1 m above the ground"].iter().enumerate() {
+        let all: Vec<_> = all.iter().map(|(mesh, places)| (mesh, &places[low])).collect();
+        print_table(name, &all, unclear[low], seed)?;
+    }
+    Ok(())
+}
+
+fn print_table(name: &str, all: &[(&Mesh, &Vec<Place>)], unclear: usize, seed: u64) -> anyhow::Result<()> {
     let found: usize = all.iter().map(|(_, places)| places.len()).sum();
     let mut by_ways = [0; 6];
-    let ways = all.iter().flat_map(|(_, places)| places).filter_map(|place| place.ways[Lidar::Full as usize].as_ref());
+    let ways = all.iter().flat_map(|(_, places)| *places).filter_map(|place| place.ways[Lidar::Full as usize].as_ref());
     ways.for_each(|ways| by_ways[ways.len().min(5)] += 1);
-    println!("{found} clear places, {unclear} left out; with 1, 2, 3, 4, more ways: {:?}\n", &by_ways[1..]);
+    let by_ways = &by_ways[1..];
+    println!("{found} clear places {name}, {unclear} left out; with 1, 2, 3, 4, more ways: {by_ways:?}\n");
     println!(
-        "| lidar | places | level slice | one radius | directions | also direction, width | sure, right | shafts | ms |"
+        "| lidar | places | level slice | one radius | directions | also direction, width | sure, right | shafts | kind | \
+         kind by elevation | ms |"
     );
-    println!("|---|---|---|---|---|---|---|---|---|");
+    println!("|{}", "---|".repeat(11));
     let mut level = Settings::new(Preset::Default).build()?;
     let mut by_p = std::collections::BTreeMap::<u64, [usize; 2]>::new();
     for lidar in Lidar::ALL {
-        let figures = measure(lidar, 0.0, &all, &mut level, seed)?;
+        let figures = measure(lidar, (0.0, false), all, &mut level, seed)?;
         println!("{}", figures.row(lidar.name()));
         for (p, of) in figures.by_p {
             let sum = by_p.entry(p).or_default();
             *sum = [sum[0] + of[0], sum[1] + of[1]];
         }
     }
-    let tilted = measure(Lidar::Full, TILT_DEG, &all, &mut level, seed)?;
-    println!("{}", tilted.row(&format!("{}, tilted by {TILT_DEG}°", Lidar::Full.name())));
+    for (is_told, told) in [(false, "not told"), (true, "told")] {
+        let tilted = measure(Lidar::Full, (TILT_DEG, is_told), all, &mut level, seed)?;
+        println!("{}", tilted.row(&format!("{}, tilted by {TILT_DEG}°, {told}", Lidar::Full.name())));
+    }
+    println!();
     eprintln!("right of answers by their least p in %: {by_p:?}");
     Ok(())
 }

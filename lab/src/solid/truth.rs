@@ -22,6 +22,8 @@ pub struct TrueWay {
     pub direction: Vector3<f64>,
     /// Diameter of the largest ball.
     pub clearance_m: f64,
+    /// The mean of the voxels that it is cut in.
+    pub middle_m: Point3<f64>,
 }
 
 /// Free space, as distances from the triangles.
@@ -228,7 +230,9 @@ impl Space {
             part.sort_unstable();
             let sum: Vector3<f64> = part.iter().map(|voxel| (self.middle_m(*voxel) - place_m).normalize()).sum();
             let clearance_m = 2.0 * part.iter().map(|voxel| self.clear_of(*voxel)).fold(0.0, f64::max);
-            found.push(TrueWay { direction: sum.normalize(), clearance_m });
+            let middles_m: Vector3<f64> = part.iter().map(|voxel| self.middle_m(*voxel).coords).sum();
+            let middle_m = Point3::from(middles_m / part.len() as f64);
+            found.push(TrueWay { direction: sum.normalize(), clearance_m, middle_m });
         }
         found
     }

@@ -115,6 +115,8 @@ class WayOn(NamedTuple):
     """Its bearing, anticlockwise from straight ahead."""
     elevation_rad: float
     """Its elevation, up is positive."""
+    slope_rad: float
+    """How steep it is, up is positive: ``kind`` goes by it, and not by the direction from the sensor."""
     clearance_m: float
     """Diameter of the largest ball that passes, metres."""
     kind: str

@@ -19,11 +19,16 @@
 //!    many of five distances from 1.75 to 2.75 R; less where the view cuts it or is narrow, where it takes up half a turn, as in a
 //!    place that is wide for its height, and where something is seen hardly farther than r: it is rather the vehicle.
 //!
+//! 6. **Slope** of a way is the elevation of the line between its middles at 2 R and 3 R, each the mean of the cells with F(e) that
+//!    far: where the sensor stands, low or high, does not turn that line. Where the view cuts them above or below, it is that of the
+//!    line between their other edges.
+//!
 //! The direction of a way is the mean of its cells, by the square of the room around the point 2.36 R away on each, or that in
 //! which the vehicle gets farthest, if the way is not open at its mean; its clearance is twice the largest of these rooms. Of a scan without a cloud, the cells are those of the horizon, 1° wide.
 
 mod reach;
 mod sight;
+mod slope;
 mod sphere;
 mod ways;
 
@@ -147,8 +152,13 @@ impl Sky {
         if !self.room_m.is_finite() {
             return Vec::new();
         }
+        let up = self.tilt.inverse_transform_vector(&Vector3::z());
         let mut found = ways::find(&self.sphere, &self.sight, &self.reach_m, self.room_m, self.is_doubtful());
-        found.iter_mut().for_each(|found| found.way.direction = self.leveled(found.way.direction));
+        let slopes_rad = slope::slopes_rad(&self.sphere, &self.sight, &self.reach_m, self.room_m, &up, &found);
+        for (Found { way, .. }, slope_rad) in found.iter_mut().zip(slopes_rad) {
+            way.direction = self.leveled(way.direction);
+            way.slope_rad = slope_rad.unwrap_or_else(|| way.elevation_rad());
+        }
         found
     }
 

@@ -39,7 +39,8 @@ pub struct Found {
     pub cells: Vec<u32>,
 }
 
-/// The ways, by their first cell, of a sight with as much room at the sensor; none of them is sure where `is_doubtful`.
+/// The ways, by their first cell, of a sight with as much room at the sensor, all but their slopes; none of them is sure where
+/// `is_doubtful`.
 pub(super) fn find(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64, is_doubtful: bool) -> Vec<Found> {
     let (mut sets, mut of_cell) = (DisjointSets::default(), Vec::new());
     let mut parts = components(sphere, reach_m, APART * room_m, &mut sets, &mut of_cell);
@@ -48,16 +49,8 @@ pub(super) fn find(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64,
     let mut stays = vec![0; parts.len()];
     for radius in RADII {
         let at = components(sphere, reach_m, radius * room_m, &mut sets, &mut of_cell).len();
-        // The component that each way is part of here, or falls into; more than one way in it, or none, does not stay.
-        let of_way: Vec<Vec<usize>> = parts
-            .iter()
-            .map(|cells| {
-                let mut within: Vec<usize> = cells.iter().filter_map(|cell| of_cell[*cell as usize]).collect();
-                within.sort_unstable();
-                within.dedup();
-                within
-            })
-            .collect();
+        // A way that shares its component with others, or has none, does not stay.
+        let of_way: Vec<Vec<usize>> = parts.iter().map(|cells| within(cells, &of_cell)).collect();
         let mut taken = vec![0; at];
         of_way.iter().flatten().for_each(|part| taken[*part] += 1);
         for (stays, of_way) in stays.iter_mut().zip(&of_way) {
@@ -78,6 +71,14 @@ pub(super) fn find(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64,
     parts.into_iter().zip(stays).map(known).collect()
 }
 
+/// The components that cells lie in, ascending.
+pub(super) fn within(cells: &[u32], of_cell: &[Option<usize>]) -> Vec<usize> {
+    let mut within: Vec<usize> = cells.iter().filter_map(|cell| of_cell[*cell as usize]).collect();
+    within.sort_unstable();
+    within.dedup();
+    within
+}
+
 /// Whether something is known in a small share of all directions.
 pub(super) fn is_narrow(sphere: &Sphere, sight: &Sight) -> bool {
     let unknown = sight.seen.iter().filter(|seen| **seen == Seen::Unknown).count();
@@ -85,7 +86,7 @@ pub(super) fn is_narrow(sphere: &Sphere, sight: &Sight) -> bool {
 }
 
 /// The components of the cells in which the vehicle gets as far, and of each cell its component.
-fn components(
+pub(super) fn components(
     sphere: &Sphere,
     reach_m: &[f64],
     apart_m: f64,
@@ -135,6 +136,7 @@ fn known_of(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64, cells:
     let of_farthest = farthest.map(|cell| sphere.directions[cell].into_inner());
     Way {
         direction: middle.or(of_farthest).unwrap_or_else(Vector3::x),
+        slope_rad: 0.0,
         clearance_m: 2.0 * largest_m,
         p: if is_wide { WIDE_ODDS } else { right_share },
         evidence: if 2 * nothing > cells().count() { Evidence::NoReturn } else { Evidence::SeenThrough },

@@ -22,15 +22,23 @@ pub(super) struct Frames {
     /// By child frame.
     edges: BTreeMap<String, Edge>,
     /// What a stream's are read from, with their encodings.
-    stream: Vec<(TopicReader, BTreeMap<ChannelId, String>)>,
+    stream: Vec<(TopicReader, Channels)>,
 }
+
+/// Of each channel of transforms its encoding, and whether they do not move.
+type Channels = BTreeMap<ChannelId, (String, bool)>;
 
 /// Poses of a frame in its parent.
 #[derive(Debug)]
 struct Edge {
     parent: String,
-    /// By stamp; one if it does not move.
+    /// By stamp; one if it does not move, and none if no rotation was stated.
     poses: Vec<(u64, Isometry3<f64>)>,
+}
+
+/// Whether the transforms of a topic do not move.
+fn is_static(topic: &str) -> bool {
+    topic.ends_with("_static")
 }
 
 impl Frames {
@@ -41,26 +49,26 @@ impl Frames {
 
     /// Reads those that do not move.
     pub(super) fn read_static(containers: Vec<Box<dyn Container>>, is_stream: bool) -> Self {
-        Self::read_topics(containers, is_stream, |topic| topic.ends_with("_static"))
+        Self::read_topics(containers, is_stream, is_static)
     }
 
     fn read_topics(containers: Vec<Box<dyn Container>>, is_stream: bool, is_read: impl Fn(&str) -> bool) -> Self {
         let mut frames = Self::default();
         for container in containers {
             let channels = container.contents().channels.iter();
-            let encodings: BTreeMap<_, _> = channels
+            let transforms: Channels = channels
                 .filter(|(_, topic)| is_read(&topic.name) && ros::is_transforms(&topic.type_name, &topic.encoding))
-                .map(|(&id, topic)| (id, topic.encoding.clone()))
+                .map(|(&id, topic)| (id, (topic.encoding.clone(), is_static(&topic.name))))
                 .collect();
-            if encodings.is_empty() {
+            if transforms.is_empty() {
                 continue;
             }
-            let mut reader = TopicReader::new(container, encodings.keys().copied().collect());
+            let mut reader = TopicReader::new(container, transforms.keys().copied().collect());
             if is_stream {
                 reader.container.wait(Wait::Never);
-                frames.stream.push((reader, encodings));
+                frames.stream.push((reader, transforms));
             } else {
-                frames.read_all(&mut reader, &encodings);
+                frames.read_all(&mut reader, &transforms);
             }
         }
         frames.read_on();
@@ -73,7 +81,7 @@ impl Frames {
         let mut stream = std::mem::take(&mut self.stream);
         let count = |frames: &Self| frames.edges.values().map(|edge| edge.poses.len()).sum::<usize>();
         let before = count(self);
-        stream.iter_mut().for_each(|(reader, encodings)| self.read_all(reader, encodings));
+        stream.iter_mut().for_each(|(reader, transforms)| self.read_all(reader, transforms));
         if count(self) > before {
             self.sort();
         }
@@ -83,11 +91,12 @@ impl Frames {
         self.stream = stream;
     }
 
-    fn read_all(&mut self, reader: &mut TopicReader, encodings: &BTreeMap<ChannelId, String>) {
+    fn read_all(&mut self, reader: &mut TopicReader, transforms: &Channels) {
         while let Some(message) = reader.next() {
-            let encoding = encodings.get(&message.channel).map_or("", String::as_str);
-            if let Ok(sent) = ros::decode::<TfMessage>(encoding, &message.data) {
-                sent.transforms.iter().for_each(|transform| self.add(transform));
+            if let Some((encoding, is_static)) = transforms.get(&message.channel)
+                && let Ok(sent) = ros::decode::<TfMessage>(encoding, &message.data)
+            {
+                sent.transforms.iter().for_each(|transform| self.add(transform, *is_static));
             }
             reader.container.recycle(message);
         }
@@ -97,16 +106,24 @@ impl Frames {
         self.edges.values_mut().for_each(|edge| edge.poses.sort_by_key(|(stamp_ns, _)| *stamp_ns));
     }
 
-    pub(super) fn add(&mut self, TransformStamped { header, child_frame_id, transform }: &TransformStamped) {
+    /// Adds a transform. Of those that do not move, the last one counts.
+    pub(super) fn add(
+        &mut self,
+        TransformStamped { header, child_frame_id, transform }: &TransformStamped,
+        is_static: bool,
+    ) {
         let (place_m, turn) = (transform.translation, transform.rotation);
+        let parent = plain_frame(&header.frame_id);
+        let edge = self.edges.entry(plain_frame(child_frame_id).to_owned());
+        let edge = edge.or_insert_with(|| Edge { parent: parent.to_owned(), poses: Vec::new() });
         let Some(rotation) = UnitQuaternion::try_new(Quaternion::new(turn.w, turn.x, turn.y, turn.z), 1e-9) else {
             return;
         };
         let pose = Isometry3::from_parts(Translation3::new(place_m.x, place_m.y, place_m.z), rotation);
-        let parent = plain_frame(&header.frame_id);
-        let edge = self.edges.entry(plain_frame(child_frame_id).to_owned());
-        let edge = edge.or_insert_with(|| Edge { parent: parent.to_owned(), poses: Vec::new() });
-        // Fixed transforms are sent again and again.
+        if is_static {
+            *edge = Edge { parent: parent.to_owned(), poses: Vec::new() };
+        }
+        // Fixed transforms are sent again and again, on topics of any name.
         let is_known = edge.poses.len() == 1 && edge.poses[0].1 == pose;
         if edge.parent == parent && !is_known {
             edge.poses.push((header.stamp.to_ns().unwrap_or(0), pose));
@@ -149,7 +166,9 @@ impl Edge {
             ([.., (from_ns, from)], [(to_ns, to), ..]) => {
                 let share = (stamp_ns - from_ns) as f64 / (to_ns - from_ns) as f64;
                 let place = from.translation.vector.lerp(&to.translation.vector, share);
-                Some(Isometry3::from_parts(place.into(), from.rotation.nlerp(&to.rotation, share)))
+                // Of quaternions of either sign, the shorter turn.
+                let rotation = from.rotation.try_slerp(&to.rotation, share, 1e-9)?;
+                Some(Isometry3::from_parts(place.into(), rotation))
             }
             ([], [first, ..]) => near(first),
             ([.., last], []) => near(last),
@@ -173,7 +192,7 @@ mod tests {
             let header = Header { stamp: Time::from_ns(stamp_ns), frame_id: parent.to_owned() };
             let rotation = Quaternion::from_yaw_rad(yaw_rad);
             let transform = Transform { translation: Vector3 { x, y, z: 0.0 }, rotation };
-            frames.add(&TransformStamped { header, child_frame_id: child.to_owned(), transform });
+            frames.add(&TransformStamped { header, child_frame_id: child.to_owned(), transform }, false);
         }
         frames
     }

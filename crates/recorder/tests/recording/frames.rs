@@ -75,6 +75,7 @@ pub(crate) fn make_ways(frame: &mut Frame) {
     let cells: Vec<Cell> = sweep.beams.iter().zip(&sweep.bearings_rad).map(cell).collect();
     let way = |number: u32| Way {
         direction: Vector3::new(0.6, 0.0, 0.8),
+        slope_rad: 0.9,
         clearance_m: 2.0 + f64::from(number),
         p: 0.98,
         evidence: Evidence::SeenThrough,
