@@ -65,6 +65,7 @@ fn ways_are_missing_or_added_and_differ_where_one_has_no_partner_within_20_degre
             direction: [deg.to_radians().cos(), 0.0, deg.to_radians().sin()],
             bearing_rad: 0.0,
             elevation_rad: deg.to_radians(),
+            slope_rad: deg.to_radians(),
             clearance_m: 2.0,
             kind: String::new(),
             p: 0.9,
