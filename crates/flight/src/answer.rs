@@ -1,6 +1,6 @@
 //! What the flight so far adds to the answer for one revolution.
 
-use crosscut_stage::{Frame, PoseDoubt};
+use crosscut_stage::{Frame, PoseDoubt, counted};
 use nalgebra::Isometry2;
 use serde::{Deserialize, Serialize};
 
@@ -111,6 +111,30 @@ pub struct Steady {
     pub here: Option<Here>,
     /// The openings, by bearing ascending.
     pub openings: Vec<SteadyOpening>,
+}
+
+impl Steady {
+    /// By what it stands, at this stamp: "3 walls. Openings: at +12°, seen through now; at +95°, seen through 3.9 s ago; at -80°, judged,
+    /// p = 0.30."
+    pub fn words(&self, now_ns: u64) -> String {
+        let openings: Vec<String> = self.openings.iter().map(|opening| opening.words(now_ns)).collect();
+        let listed = if openings.is_empty() { "none".to_owned() } else { openings.join("; ") };
+        format!("{}. Openings: {listed}.", counted(self.junctions as u64, "wall"))
+    }
+}
+
+impl SteadyOpening {
+    fn words(&self, now_ns: u64) -> String {
+        let ago_s = self.seen_ns.map(|seen_ns| now_ns.saturating_sub(seen_ns) as f64 * 1e-9);
+        let known = match (ago_s, self.p) {
+            (Some(ago_s), _) if ago_s < 0.05 => "seen through now".to_owned(),
+            (Some(ago_s), _) => format!("seen through {ago_s:.1} s ago"),
+            (None, Some(p)) => format!("judged, p = {p:.2}"),
+            (None, None) => "judged".to_owned(),
+        };
+        // The sum with 0 leaves no -0.
+        format!("at {:+.0}°, {known}", self.bearing_rad.to_degrees().round() + 0.0)
+    }
 }
 
 /// An opening that is followed from revolution to revolution.

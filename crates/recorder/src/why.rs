@@ -1,6 +1,7 @@
 //! Why the count is what it is: as text and drawn on the scan; and which revolutions are worth a look.
 
 use crosscut_explain::{Doubt, Event, Explanation, Watch};
+use crosscut_flight::FlightAnswer;
 use crosscut_stage::{Frame, Point, Revolution, Weights, counted};
 use rerun::{
     AsComponents, Color, LineStrips3D, MediaType, Points2D, Points3D, Radius, RecordingStream, RecordingStreamResult,
@@ -95,7 +96,10 @@ pub(crate) fn log(rows: &mut Rows, frame: &Frame, explanation: &Explanation, tol
     let mut paragraphs = vec![explanation.title(frame, &color_of)];
     paragraphs.extend(told.changed.clone());
     let legend = if frame.affinity.dual.is_some() { LEGEND_OF_WAYS } else { LEGEND };
-    paragraphs.extend([told.context(frame), legend.into(), explanation.details(frame, &color_of)]);
+    paragraphs.push(told.context(frame));
+    let steady = FlightAnswer::of(frame).steady.as_ref();
+    paragraphs.extend(steady.map(|steady| format!("Steady: {}", steady.words(frame.revolution.stamp_ns))));
+    paragraphs.extend([legend.into(), explanation.details(frame, &color_of)]);
     rows.log(&REPORT_WHY, &TextDocument::new(paragraphs.join("\n\n")));
     for event in watch.events(frame, told.truth) {
         let level = match event {
