@@ -133,7 +133,9 @@ impl<'a> Scene<'a> {
 }
 
 impl Beyond {
+    /// For a vehicle of this width; cells do not tell one narrower than a square from that.
     pub(crate) fn new(width_m: f64) -> Self {
+        let width_m = width_m.max(SQUARE_M);
         let reach = (0.5 * width_m / CELL_M).ceil() as isize;
         let of_disc = |x: isize, y: isize| {
             let off_m = Vector2::new(x as f64 + 0.5, y as f64 + 0.5) * CELL_M;
@@ -323,7 +325,7 @@ mod tests {
     }
 
     /// The openings at (9, 0), after the vehicle came by from (0, 0), where the scan sees this in the gap at the side way.
-    fn after_passing(end_m: f64, is_opening: bool) -> Vec<KnownOpening> {
+    fn after_passing(width_m: f64, end_m: f64, is_opening: bool) -> Vec<KnownOpening> {
         let (walls, mut around) = (tunnel(end_m), Surroundings::default());
         for x in 0..=9_u32 {
             let pose = Isometry2::translation(f64::from(x), 0.0);
@@ -345,13 +347,13 @@ mod tests {
         };
         let openings = if is_opening { vec![opening] } else { Vec::new() };
         let junction = Junction { openings, ..Junction::default() };
-        Beyond::new(0.6).openings(&junction, 1009, &seen, Some((&around, &Isometry2::translation(9.0, 0.0))))
+        Beyond::new(width_m).openings(&junction, 1009, &seen, Some((&around, &Isometry2::translation(9.0, 0.0))))
     }
 
     #[test]
     fn a_side_way_that_was_seen_is_an_opening_whatever_the_scan_says() {
         for is_opening in [false, true] {
-            let found = after_passing(7.0, is_opening);
+            let found = after_passing(0.6, 7.0, is_opening);
             assert!(matches!(found[..], [KnownOpening { seen_ns: Some(1002..=1006), .. }]), "{is_opening}: {found:?}");
             assert_eq!(found[0].index.is_some(), is_opening);
             assert!((found[0].bearing_rad - 2.9).abs() < 0.2 && (1.5..2.5).contains(&found[0].width_m), "{found:?}");
@@ -360,8 +362,8 @@ mod tests {
 
     #[test]
     fn a_pocket_whose_end_was_seen_is_no_opening_whatever_the_scan_says() {
-        for is_opening in [false, true] {
-            assert_eq!(after_passing(2.5, is_opening), [], "{is_opening}");
+        for (width_m, is_opening) in [(0.6, false), (0.6, true), (0.01, false), (0.01, true), (50.0, false)] {
+            assert_eq!(after_passing(width_m, 2.5, is_opening), [], "{width_m}, {is_opening}");
         }
     }
 
