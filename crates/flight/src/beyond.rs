@@ -148,13 +148,12 @@ impl Beyond {
         Self { width_m, disc, walks: 0, came: Vec::new(), of_opening: Vec::new(), open: Vec::new() }
     }
 
-    /// The openings of a scan, taken at a pose, with what was seen around it up to now.
+    /// The openings of a scan: its own, or with what it sees, what was seen around it up to now, and its pose.
     pub(crate) fn openings(
         &mut self,
         junction: &Junction,
         stamp_ns: u64,
-        rays: &Rays,
-        seen: Option<(&Surroundings, &Isometry2<f64>)>,
+        seen: Option<(&Rays, &Surroundings, &Isometry2<f64>)>,
     ) -> Vec<KnownOpening> {
         let by_scan = junction.openings.iter().enumerate().map(|(index, opening)| KnownOpening {
             index: Some(index),
@@ -164,7 +163,7 @@ impl Beyond {
             seen_ns: (opening.known == Known::Seen).then_some(stamp_ns),
         });
         let mut openings: Vec<KnownOpening> = by_scan.collect();
-        let Some((around, pose)) = seen else { return openings };
+        let Some((rays, around, pose)) = seen else { return openings };
         self.came.resize(SQUARES * SQUARES, 0);
         self.of_opening.resize(SQUARES * SQUARES, 0);
         let gap_of = |index: usize| {
@@ -347,7 +346,7 @@ mod tests {
         };
         let openings = if is_opening { vec![opening] } else { Vec::new() };
         let junction = Junction { openings, ..Junction::default() };
-        Beyond::new(width_m).openings(&junction, 1009, &seen, Some((&around, &Isometry2::translation(9.0, 0.0))))
+        Beyond::new(width_m).openings(&junction, 1009, Some((&seen, &around, &Isometry2::translation(9.0, 0.0))))
     }
 
     #[test]
@@ -369,7 +368,19 @@ mod tests {
 
     #[test]
     fn without_a_pose_the_openings_are_those_of_the_scan() {
-        let seen = rays(&tunnel(7.0), Vector2::zeros());
-        assert_eq!(Beyond::new(0.6).openings(&Junction::default(), 0, &seen, None), []);
+        let opening = Opening {
+            bearing_rad: 1.0,
+            width_m: 2.0,
+            walls: [0, 0],
+            returns: [None, None],
+            gaps: Vec::new(),
+            evidence: Evidence::NoReturn,
+            known: Known::Seen,
+            edge_m: [crosscut_stage::Point::origin(); 2],
+            p: None,
+        };
+        let junction = Junction { openings: vec![opening], ..Junction::default() };
+        let found = Beyond::new(0.6).openings(&junction, 7, None);
+        assert!(matches!(found[..], [KnownOpening { index: Some(0), seen_ns: Some(7), .. }]), "{found:?}");
     }
 }

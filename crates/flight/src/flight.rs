@@ -56,15 +56,15 @@ impl Flight {
             self.surroundings.clear();
         }
         let (revolution, junction) = (&frame.revolution, &frame.junction);
-        let (mut here, mut openings) = (None, Vec::new());
-        if let Some((sweep, rays)) = revolution.beams().zip(Rays::of(revolution, junction)) {
-            if let Some(tracked) = &tracked {
-                self.surroundings.add(tracked, revolution.stamp_ns, &rays);
-            }
-            let seen = tracked.as_ref().map(|tracked| (&self.surroundings, &tracked.pose));
-            openings = self.beyond.openings(junction, revolution.stamp_ns, &rays, seen);
-            here = self.places.here(sweep, junction, rays, seen);
+        let rays = Rays::of(revolution, junction);
+        if let Some((tracked, rays)) = tracked.as_ref().zip(rays.as_ref()) {
+            self.surroundings.add(tracked, revolution.stamp_ns, rays);
         }
+        let seen = tracked.as_ref().map(|tracked| (&self.surroundings, &tracked.pose));
+        let of_rays = rays.as_ref().zip(seen).map(|(rays, (around, pose))| (rays, around, pose));
+        let openings = self.beyond.openings(junction, revolution.stamp_ns, of_rays);
+        let sweep = revolution.beams().zip(rays);
+        let here = sweep.and_then(|(sweep, rays)| self.places.here(sweep, junction, rays, seen));
         let (pose, doubt) = (tracked.map(|tracked| tracked.pose), tracked.map(|tracked| tracked.doubt));
         let mut answer = FlightAnswer { pose, doubt, here, steady: None };
         answer.steady = self.steadier.add(frame, &answer, &openings);
