@@ -1,6 +1,6 @@
 //! What the flight so far adds to the answer for one revolution.
 
-use crosscut_stage::{Frame, PoseDoubt, counted};
+use crosscut_stage::{Frame, PoseDoubt, counted, degrees_words};
 use nalgebra::Isometry2;
 use serde::{Deserialize, Serialize};
 
@@ -132,8 +132,7 @@ impl SteadyOpening {
             (None, Some(p)) => format!("judged, p = {p:.2}"),
             (None, None) => "judged".to_owned(),
         };
-        // The sum with 0 leaves no -0.
-        format!("at {:+.0}°, {known}", self.bearing_rad.to_degrees().round() + 0.0)
+        format!("at {}, {known}", degrees_words(self.bearing_rad))
     }
 }
 

@@ -11,14 +11,12 @@
 //! A gap at which the scan sees a wall go on is an opening if it was seen through, unless the disc gets from there to what lies
 //! beyond an opening: that is the same way.
 
-use crosscut_stage::{Junction, Known};
+use crosscut_stage::{DEPTH_M, Junction, Known};
 use nalgebra::{Isometry2, Point2, Vector2};
 
 use crate::rays::Rays;
 use crate::surroundings::{CELL_M, CellState, SIDE, Surroundings};
 
-/// A way on is as long, as for one scan.
-const LEAST_DEPTH_M: f64 = 3.0;
 /// Side of a square, cells.
 const SQUARE: usize = 2;
 const SQUARES: usize = SIDE / SQUARE;
@@ -68,9 +66,8 @@ pub(crate) struct Beyond {
     open: Vec<(u32, f64)>,
 }
 
-/// What a walk is in: a scan and its gap, and what was seen around it.
+/// What walks are in: a scan, and what was seen around it.
 struct Scene<'a> {
-    gap: Gap,
     rays: &'a Rays,
     around: &'a Surroundings,
     pose: &'a Isometry2<f64>,
@@ -80,20 +77,16 @@ struct Scene<'a> {
     up_m: Vector2<f64>,
 }
 
-fn cross(a: &Vector2<f64>, b: &Vector2<f64>) -> f64 {
-    a.perp(b)
-}
-
 impl Gap {
     /// Whether its ends lie on both sides of the line from the sensor through a place.
     fn spans(&self, place_m: &Vector2<f64>) -> bool {
-        cross(&self.from_m, place_m) >= 0.0 && cross(place_m, &self.to_m) >= 0.0
+        self.from_m.perp(place_m) >= 0.0 && place_m.perp(&self.to_m) >= 0.0
     }
 
     /// Whether a place lies behind the gap, or outside what the scan sees.
     fn is_beyond(&self, place_m: &Vector2<f64>, rays: &Rays) -> bool {
         if self.spans(place_m) {
-            return cross(&(self.to_m - self.from_m), &(place_m - self.from_m)) <= 0.0;
+            return (self.to_m - self.from_m).perp(&(place_m - self.from_m)) <= 0.0;
         }
         !rays.sees(place_m)
     }
@@ -107,16 +100,16 @@ impl Gap {
 
     /// Whether the vehicle may fit, and there is less than half a turn between its ends.
     fn is_wide(&self, width_m: f64) -> bool {
-        (self.to_m - self.from_m).norm() >= width_m && cross(&self.from_m, &self.to_m) > 0.0
+        (self.to_m - self.from_m).norm() >= width_m && self.from_m.perp(&self.to_m) > 0.0
     }
 }
 
 impl<'a> Scene<'a> {
-    fn new(gap: Gap, rays: &'a Rays, around: &'a Surroundings, pose: &'a Isometry2<f64>) -> Self {
+    fn new(rays: &'a Rays, around: &'a Surroundings, pose: &'a Isometry2<f64>) -> Self {
         let [right_m, up_m] =
             [Vector2::x(), Vector2::y()].map(|axis| pose.rotation.inverse_transform_vector(&axis) * SQUARE_M);
         let corner_m = pose.inverse_transform_point(&Point2::from(around.corner_m())).coords;
-        Self { gap, rays, around, pose, corner_m, right_m, up_m }
+        Self { rays, around, pose, corner_m, right_m, up_m }
     }
 
     /// The middle of a square in the frame of the scan.
@@ -166,41 +159,39 @@ impl Beyond {
         let Some((rays, around, pose)) = seen else { return openings };
         self.came.resize(SQUARES * SQUARES, 0);
         self.of_opening.resize(SQUARES * SQUARES, 0);
-        let gap_of = |index: usize| {
-            let [from_m, to_m] = junction.openings[index].edge_m.map(|end_m| end_m.coords.xy());
-            Gap { from_m, to_m }
-        };
-        let scene = |gap: Gap| Scene::new(gap, rays, around, pose);
+        let ends_m = junction.openings.iter().map(|opening| opening.edge_m.map(|end_m| end_m.coords.xy()));
+        let gaps: Vec<Gap> = ends_m.map(|[from_m, to_m]| Gap { from_m, to_m }).collect();
+        let scene = Scene::new(rays, around, pose);
         openings.retain_mut(|opening| {
             let Some(index) = opening.index.filter(|_| opening.seen_ns.is_none()) else { return true };
-            let gap = gap_of(index);
+            let gap = &gaps[index];
             if junction.openings[index].is_cut_by_view() || !gap.is_wide(self.width_m) {
                 return true;
             }
-            let seen = self.lead(&scene(gap), Through::SeenFree);
+            let seen = self.lead(&scene, gap, Through::SeenFree);
             opening.seen_ns = seen.and_then(|square| seen_ns(around, square));
-            seen.is_some() || self.lead(&scene(gap), Through::NoWall).is_some()
+            seen.is_some() || self.lead(&scene, gap, Through::NoWall).is_some()
         });
         // What lies beyond the openings is looked at once it matters.
         let (mut marked, scan) = (false, self.walks + 1);
         for [from_m, to_m] in rays.joined() {
             let gap = Gap { from_m, to_m };
             let middle_m = 0.5 * (from_m + to_m);
-            if !gap.is_wide(self.width_m) || (0..junction.openings.len()).any(|index| gap_of(index).spans(&middle_m)) {
+            if !gap.is_wide(self.width_m) || gaps.iter().any(|gap| gap.spans(&middle_m)) {
                 continue;
             }
-            let Some(square) = self.lead(&scene(gap), Through::SeenFree) else { continue };
+            let Some(square) = self.lead(&scene, &gap, Through::SeenFree) else { continue };
             let mut of_opening = std::mem::take(&mut self.of_opening);
             let mut is_known = |square: usize| std::mem::replace(&mut of_opening[square], scan) == scan;
             if !std::mem::replace(&mut marked, true) {
-                for gap in (0..junction.openings.len()).map(gap_of) {
-                    self.walk(&scene(gap), Through::NoWall, |square, _| {
+                for gap in &gaps {
+                    self.walk(&scene, gap, Through::NoWall, |square, _| {
                         is_known(square);
                         false
                     });
                 }
             }
-            let is_same = self.walk(&scene(gap), Through::SeenFree, |square, _| is_known(square)).is_some();
+            let is_same = self.walk(&scene, &gap, Through::SeenFree, |square, _| is_known(square)).is_some();
             self.of_opening = of_opening;
             if !is_same {
                 openings.push(KnownOpening {
@@ -217,30 +208,36 @@ impl Beyond {
     }
 
     /// Leads the disc from a gap on. A square that it gets to 3 m from there; `None` if it does not get as far.
-    fn lead(&mut self, scene: &Scene<'_>, through: Through) -> Option<usize> {
-        self.walk(scene, through, |_, off_m| off_m >= LEAST_DEPTH_M)
+    fn lead(&mut self, scene: &Scene<'_>, gap: &Gap, through: Through) -> Option<usize> {
+        self.walk(scene, gap, through, |_, off_m| off_m >= DEPTH_M)
     }
 
     /// Leads the disc from a gap on, to squares less than 3 m from there and the next ones, those that are farther off first, until
     /// `stop` is true of a square and its distance from the gap.
-    fn walk(&mut self, scene: &Scene<'_>, through: Through, mut stop: impl FnMut(usize, f64) -> bool) -> Option<usize> {
+    fn walk(
+        &mut self,
+        scene: &Scene<'_>,
+        gap: &Gap,
+        through: Through,
+        mut stop: impl FnMut(usize, f64) -> bool,
+    ) -> Option<usize> {
         self.walks += 1;
         self.open.clear();
-        let Gap { from_m, to_m } = scene.gap;
+        let Gap { from_m, to_m } = gap;
         let steps = ((to_m - from_m).norm() / CELL_M).ceil();
         for step in 0..=steps as usize {
             // What lies beyond the squares was not seen.
-            let Some([x, y]) = scene.square(&from_m.lerp(&to_m, step as f64 / steps)) else {
+            let Some([x, y]) = scene.square(&from_m.lerp(to_m, step as f64 / steps)) else {
                 return (through == Through::NoWall).then_some(0);
             };
-            self.come(scene, through, x, y);
+            self.come(scene, gap, through, [x, y]);
         }
         while let Some((square, off_m)) = self.open.pop() {
             let square = square as usize;
             if stop(square, off_m) {
                 return Some(square);
             }
-            if off_m >= LEAST_DEPTH_M {
+            if off_m >= DEPTH_M {
                 continue;
             }
             let ([x, y], first) = ([square % SQUARES, square / SQUARES], self.open.len());
@@ -249,9 +246,9 @@ impl Beyond {
                     && x < SQUARES
                     && y < SQUARES
                     && self.came[y * SQUARES + x] != self.walks
-                    && scene.gap.is_beyond(&scene.middle_m(x, y), scene.rays)
+                    && gap.is_beyond(&scene.middle_m(x, y), scene.rays)
                 {
-                    self.come(scene, through, x, y);
+                    self.come(scene, gap, through, [x, y]);
                 }
             }
             self.open[first..].sort_unstable_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
@@ -260,11 +257,11 @@ impl Beyond {
     }
 
     /// Comes to a square, if the disc fits there.
-    fn come(&mut self, scene: &Scene<'_>, through: Through, x: usize, y: usize) {
+    fn come(&mut self, scene: &Scene<'_>, gap: &Gap, through: Through, [x, y]: [usize; 2]) {
         let square = y * SQUARES + x;
         if std::mem::replace(&mut self.came[square], self.walks) != self.walks && self.fits(scene.around, x, y, through)
         {
-            self.open.push((square as u32, scene.gap.off_m(&scene.middle_m(x, y))));
+            self.open.push((square as u32, gap.off_m(&scene.middle_m(x, y))));
         }
     }
 
@@ -312,8 +309,8 @@ mod tests {
             let mut ray = Ray::new(f64::from(at).to_radians() * 0.5, f64::INFINITY, RayEnd::Wall(0));
             for [a, b] in walls {
                 let (along, off) = (b - a, a - from_m);
-                let share = cross(&off, &ray.towards) / cross(&ray.towards, &along);
-                let range_m = cross(&off, &along) / cross(&ray.towards, &along);
+                let share = off.perp(&ray.towards) / ray.towards.perp(&along);
+                let range_m = off.perp(&along) / ray.towards.perp(&along);
                 if (0.0..=1.0).contains(&share) && range_m > 0.0 {
                     ray.free_m = ray.free_m.min(range_m);
                 }

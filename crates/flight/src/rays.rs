@@ -48,7 +48,7 @@ pub(crate) struct Rays {
     /// Ascending by bearing, anticlockwise from the first, over less than a turn.
     pub(crate) rays: Vec<Ray>,
     /// They are all around.
-    full_turn: bool,
+    pub(crate) full_turn: bool,
     /// The returns of walls, anticlockwise, metres; and whether the wall goes on to the next one.
     returns: Vec<(Vector2<f64>, bool)>,
 }
@@ -119,15 +119,10 @@ impl Rays {
             .map(|((from_m, _), (to_m, _))| [*from_m, *to_m])
     }
 
-    pub(crate) fn is_full_turn(&self) -> bool {
-        self.full_turn
-    }
-
-    /// Each ray of the view, the next one, and the angle between them.
-    pub(crate) fn pairs(&self) -> impl Iterator<Item = (&Ray, &Ray, f64)> {
+    /// Each ray of the view, and the next one.
+    pub(crate) fn pairs(&self) -> impl Iterator<Item = (&Ray, &Ray)> {
         let next = self.rays.iter().cycle().skip(1);
-        let pairs = self.rays.iter().zip(next).take(self.rays.len() - usize::from(!self.full_turn));
-        pairs.map(|(from, to)| (from, to, (to.bearing_rad - from.bearing_rad).rem_euclid(TAU)))
+        self.rays.iter().zip(next).take(self.rays.len() - usize::from(!self.full_turn))
     }
 
     /// Whether a place lies nearer than the line between the ends of the two rays beside it.

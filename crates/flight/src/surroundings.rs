@@ -105,7 +105,7 @@ impl Surroundings {
         let scan = self.forgotten.saturating_add(self.scans.len() as u32);
         let reach_m = |ray: &Ray| ray.free_m.min(REACH_M);
         // A wall that a scan sees is not free in it, although other beams pass through its cell.
-        for (first, next, _) in rays.pairs() {
+        for (first, next) in rays.pairs() {
             let [from, to] = [first, next].map(Ray::end_m);
             let is_wall = |ray: &Ray| matches!(ray.end, RayEnd::Wall(_)) && ray.free_m <= reach_m(ray);
             if !is_wall(first) || !is_wall(next) {
@@ -119,9 +119,10 @@ impl Surroundings {
                 cell.into_iter().for_each(|cell| cell.set([self.forgotten, scan], CellState::Wall));
             }
         }
-        for seen in [CellState::Free, CellState::Dark] {
+        let any_dark = rays.rays.iter().any(|ray| ray.end == RayEnd::Range);
+        for seen in [CellState::Free, CellState::Dark].into_iter().take(1 + usize::from(any_dark)) {
             self.outline.clear();
-            for (first, next, _) in rays.pairs() {
+            for (first, next) in rays.pairs() {
                 let is_dark = [first, next].iter().any(|ray| ray.end == RayEnd::Range);
                 // Between neighbours that see one wall it runs from the one to the other, else the nearer one counts.
                 let mut ends_m = [first, next].map(reach_m);
@@ -133,8 +134,10 @@ impl Surroundings {
                 let ends = [first, next].into_iter().zip(ends_m);
                 self.outline.extend(ends.map(|(ray, end_m)| pose * Point2::from(ray.towards * end_m)));
             }
-            // The view of a part of a turn begins and ends at the sensor.
-            self.outline.push(self.outline.first().copied().filter(|_| rays.is_full_turn()).unwrap_or(place_m));
+            if !rays.full_turn {
+                // The view begins and ends at the sensor.
+                self.outline.push(place_m);
+            }
             self.fill([self.forgotten, scan], seen);
         }
     }

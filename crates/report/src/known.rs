@@ -12,9 +12,9 @@
 //! it ([`is_closed_by_returns`]). All other gaps are **judged**.
 
 use crosscut_scan::{LostBeams, is_closed_by_returns};
-use crosscut_stage::{Beam, Junction, Known, KnownGaps, Opening, Verdict};
+use crosscut_stage::{Beam, DEPTH_M, Junction, Known, KnownGaps, Opening, Verdict};
 
-use crate::openings::{self, DEPTH_M, FreeEdge};
+use crate::openings::{self, FreeEdge};
 use crate::wall_ring::WallRing;
 
 /// Sets `known` of each opening of `out`, and counts its gaps.

@@ -5,6 +5,9 @@ use std::ops::AddAssign;
 
 use serde::{Deserialize, Serialize};
 
+/// What lies behind a gap through which a vehicle can pass is at least this deep, or not seen to be shallower, metres.
+pub const DEPTH_M: f64 = 3.0;
+
 /// How it is known whether a vehicle can pass at a gap: from the beams, from the returns, or by a decision.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Known {

@@ -41,7 +41,7 @@ pub use frame::{Failure, FailureCause, Frame, Step, Timings};
 pub use invariance::Invariance;
 pub use junction::{Junction, Opening, Place, SURE, Wall, junction_of};
 pub use kind::{AffinityProperties, Eigenvalues, Kind, SpectralProperties, StageKind};
-pub use known::{Known, KnownGaps};
+pub use known::{DEPTH_M, Known, KnownGaps};
 pub use notes::{NOTES_PAGE, NoteCode, Notes, counted};
 pub use param::{
     Count, Flag, Interval, Names, Number, Pairs, Param, ParamError, ParamErrorKind, ParamSpec, Shape, Word, value_text,
@@ -55,7 +55,7 @@ pub use revolution::{
 pub use spectrum::Spectrum;
 pub use traits::{AffinityStage, KmeansStage, Observer, ObserverError, Source, SourceError, SpectralStage, StageError};
 pub use unsure::Unsure;
-pub use way::{Between, Cell, Dual, Way, WayKind, direction_words};
+pub use way::{Between, Cell, Dual, Way, WayKind, degrees_words, direction_words};
 
 pub use toml::Value;
 

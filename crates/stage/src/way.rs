@@ -147,11 +147,14 @@ impl Way {
 
 /// "+51°, 78° up": bearing and elevation of a unit vector.
 pub fn direction_words(direction: &Vector3<f64>) -> String {
-    // The sum with 0 leaves no -0.
-    let [bearing_deg, elevation_deg] =
-        [direction.y.atan2(direction.x), direction.z.clamp(-1.0, 1.0).asin()].map(|rad| rad.to_degrees().round() + 0.0);
+    let elevation_deg = direction.z.clamp(-1.0, 1.0).asin().to_degrees().round();
     let side = if elevation_deg < 0.0 { "down" } else { "up" };
-    format!("{bearing_deg:+.0}°, {:.0}° {side}", elevation_deg.abs())
+    format!("{}, {:.0}° {side}", degrees_words(direction.y.atan2(direction.x)), elevation_deg.abs())
+}
+
+/// "+51°": a bearing or an elevation; never "-0°".
+pub fn degrees_words(rad: f64) -> String {
+    format!("{:+.0}°", rad.to_degrees().round() + 0.0)
 }
 
 impl fmt::Display for WayKind {

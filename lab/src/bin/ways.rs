@@ -231,7 +231,7 @@ impl Figures {
     }
 }
 
-/// Of a lidar that is tilted, which is told or not.
+/// Of a lidar that is tilted, with that tilt known to the program or not.
 fn measure(
     lidar: Lidar,
     (tilt_deg, is_told): (f64, bool),

@@ -2,7 +2,7 @@
 
 use crosscut_evaluate::tables::Table;
 use crosscut_pipeline::{Answers, NoteCount, Summary};
-use crosscut_stage::{KnownGaps, Step, Way, counted};
+use crosscut_stage::{KnownGaps, Step, Way, counted, degrees_words};
 
 use crate::fly::Flown;
 use crate::output::typeset;
@@ -69,8 +69,7 @@ pub(crate) fn counts(summary: &Summary) -> Table {
 /// The ways on of the last revolution, where these are counted and there are any.
 pub(crate) fn ways(summary: &Summary) -> Option<Table> {
     let row = |(number, way): (usize, &Way)| {
-        let [bearing, elevation] =
-            [way.bearing_rad(), way.elevation_rad()].map(|rad| format!("{:+.0}°", rad.to_degrees().round() + 0.0));
+        let [bearing, elevation] = [way.bearing_rad(), way.elevation_rad()].map(degrees_words);
         let (kind, cut) = (way.kind().to_string().replace('_', " "), if way.cut_by_view { "yes" } else { "no" });
         let (clearance, p) = (format!("{:.1} m", way.clearance_m), format!("{:.2}", way.p));
         vec![number.to_string(), kind, bearing, elevation, clearance, p, cut.to_owned()]

@@ -165,10 +165,8 @@ impl Edge {
             ([(_, only)], []) | ([], [(_, only)]) => Some(*only),
             ([.., (from_ns, from)], [(to_ns, to), ..]) => {
                 let share = (stamp_ns - from_ns) as f64 / (to_ns - from_ns) as f64;
-                let place = from.translation.vector.lerp(&to.translation.vector, share);
                 // Of quaternions of either sign, the shorter turn.
-                let rotation = from.rotation.try_slerp(&to.rotation, share, 1e-9)?;
-                Some(Isometry3::from_parts(place.into(), rotation))
+                from.try_lerp_slerp(to, share, 1e-9)
             }
             ([], [first, ..]) => near(first),
             ([.., last], []) => near(last),

@@ -1,9 +1,9 @@
 //! Openings by the visible free space, for affinities that decide nothing at gaps.
 
 use crosscut_scan::Position;
-use crosscut_stage::{Opening, Revolution};
+use crosscut_stage::{DEPTH_M, Opening, Revolution};
 
-use super::{DEPTH_M, FreeEdge};
+use super::FreeEdge;
 use crate::wall_ring::WallRing;
 
 /// An opening, and the middle of its mouth.

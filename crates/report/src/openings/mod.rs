@@ -19,7 +19,7 @@
 //!    the edge: the nearer end clears the line of the farther wall by the vehicle's width, and the farther end leaves
 //!    the line of the nearer wall by half of it. An edge that is seen over half a turn or more, most of it with nothing
 //!    in it, is none such a stretch: the line of a wall would pass on the other side of the sensor;
-//! 3. a strip of the vehicle's width that leaves the edge outward meets no return for [`DEPTH_M`].
+//! 3. a strip of the vehicle's width that leaves the edge outward meets no return for [`DEPTH_M`](crosscut_stage::DEPTH_M).
 //!
 //! Edges that lead into the same branch (a stray return deep inside it splits its edge in two) are one opening.
 //!
@@ -55,9 +55,6 @@ use crosscut_stage::{Beam, Evidence, Known, Opening, Point, Revolution, Verdict}
 
 pub(crate) use self::edge::{FreeEdge, WallEnd};
 use crate::wall_ring::WallRing;
-
-/// The free space beyond an opening is at least this deep, or not seen to be shallower.
-pub const DEPTH_M: f64 = 3.0;
 
 /// An opening's bearing and width are taken at most this far from the sensor.
 pub const LOOKOUT_M: f64 = 8.0;
