@@ -15,7 +15,7 @@ use crosscut_stage::{DEPTH_M, Junction, Known};
 use nalgebra::{Isometry2, Point2, Vector2};
 
 use crate::rays::Rays;
-use crate::surroundings::{CELL_M, CellState, SIDE, Surroundings};
+use crate::surroundings::{CELL_M, CellState, Disc, SIDE, Surroundings};
 
 /// Side of a square, cells.
 const SQUARE: usize = 2;
@@ -54,8 +54,7 @@ enum Through {
 #[derive(Clone, Debug)]
 pub(crate) struct Beyond {
     width_m: f64,
-    /// The cells of the disc around a corner of cells.
-    disc: Vec<[isize; 2]>,
+    disc: Disc,
     /// How many times a disc was led.
     walks: u32,
     /// Of each square: the last walk that came there.
@@ -129,15 +128,7 @@ impl Beyond {
     /// For a vehicle of this width; cells do not tell one narrower than a square from that.
     pub(crate) fn new(width_m: f64) -> Self {
         let width_m = width_m.max(SQUARE_M);
-        let reach = (0.5 * width_m / CELL_M).ceil() as isize;
-        let of_disc = |x: isize, y: isize| {
-            let off_m = Vector2::new(x as f64 + 0.5, y as f64 + 0.5) * CELL_M;
-            (off_m.norm() <= 0.5 * width_m).then_some([x, y])
-        };
-        let mut disc: Vec<[isize; 2]> =
-            (-reach..reach).flat_map(|y| (-reach..reach).filter_map(move |x| of_disc(x, y))).collect();
-        // Walls stand at its rim.
-        disc.sort_by_key(|[x, y]| std::cmp::Reverse((2 * x + 1).pow(2) + (2 * y + 1).pow(2)));
+        let disc = Disc::new(0.5 * width_m);
         Self { width_m, disc, walks: 0, came: Vec::new(), of_opening: Vec::new(), open: Vec::new() }
     }
 
@@ -230,7 +221,7 @@ impl Beyond {
             let Some([x, y]) = scene.square(&from_m.lerp(to_m, step as f64 / steps)) else {
                 return (through == Through::NoWall).then_some(0);
             };
-            self.come(scene, gap, through, [x, y]);
+            self.come(scene, gap, through, [x, y], || true);
         }
         while let Some((square, off_m)) = self.open.pop() {
             let square = square as usize;
@@ -245,10 +236,8 @@ impl Beyond {
                 if let Some((x, y)) = x.checked_add_signed(right).zip(y.checked_add_signed(up))
                     && x < SQUARES
                     && y < SQUARES
-                    && self.came[y * SQUARES + x] != self.walks
-                    && gap.is_beyond(&scene.middle_m(x, y), scene.rays)
                 {
-                    self.come(scene, gap, through, [x, y]);
+                    self.come(scene, gap, through, [x, y], || gap.is_beyond(&scene.middle_m(x, y), scene.rays));
                 }
             }
             self.open[first..].sort_unstable_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
@@ -256,25 +245,31 @@ impl Beyond {
         None
     }
 
-    /// Comes to a square, if the disc fits there.
-    fn come(&mut self, scene: &Scene<'_>, gap: &Gap, through: Through, [x, y]: [usize; 2]) {
+    /// Comes to a square for the first time in this walk, if it lies beyond the gap and the disc fits there.
+    fn come(
+        &mut self,
+        scene: &Scene<'_>,
+        gap: &Gap,
+        through: Through,
+        [x, y]: [usize; 2],
+        is_beyond: impl FnOnce() -> bool,
+    ) {
         let square = y * SQUARES + x;
-        if std::mem::replace(&mut self.came[square], self.walks) != self.walks && self.fits(scene.around, x, y, through)
+        if std::mem::replace(&mut self.came[square], self.walks) != self.walks
+            && self.fits(scene.around, [x, y], through)
+            && is_beyond()
         {
             self.open.push((square as u32, gap.off_m(&scene.middle_m(x, y))));
         }
     }
 
     /// Whether the disc fits at the middle of a square.
-    fn fits(&self, around: &Surroundings, x: usize, y: usize, through: Through) -> bool {
-        self.disc.iter().all(|[right, up]| {
-            let cell = (SQUARE * x + 1).checked_add_signed(*right).zip((SQUARE * y + 1).checked_add_signed(*up));
-            match cell.map_or(CellState::Never, |(x, y)| around.state(x, y)) {
-                CellState::Wall => false,
-                CellState::Free => true,
-                CellState::Never | CellState::Dark => through == Through::NoWall,
-            }
-        })
+    fn fits(&self, around: &Surroundings, [x, y]: [usize; 2], through: Through) -> bool {
+        match around.under(&self.disc, [SQUARE * x + 1, SQUARE * y + 1]) {
+            CellState::Wall => false,
+            CellState::Free => true,
+            CellState::Never | CellState::Dark => through == Through::NoWall,
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 //! poses. Each cell is what most of the last scans in whose view it lay saw there, for as long as the doubt of the pose since
 //! then is small beside a mouth.
 
+use std::cmp::Ordering;
 use std::collections::VecDeque;
 
 use crosscut_stage::{PoseDoubt, unit};
@@ -24,7 +25,7 @@ const OFF_MIDDLE_M: f64 = 1.5;
 pub(crate) const REACH_M: f64 = RADIUS_M - OFF_MIDDLE_M - CELL_M;
 
 /// A scan adds to the cells once the vehicle has moved or turned this far since the last one that did.
-const MOVED_M: f64 = 0.2;
+const MOVED_M: f64 = 0.4;
 const TURNED_RAD: f64 = 0.1;
 
 /// A ray begins at this distance: nearer to the sensor than this is the vehicle.
@@ -46,17 +47,12 @@ pub(crate) enum CellState {
 }
 
 /// A scan may see dust, or the edge of a wall too near: what most of the last scans saw in a cell counts, of this many.
-const MOST_ODDS: i8 = 3;
+const MOST_ODDS: u32 = 3;
 
-/// A cell.
+/// A cell, in 32 bits, so that a row of cells is set at once: the last scan that saw it, counted from 1 (scan 0 is none), times 8, and how
+/// many more of the last scans saw a wall here than free space, plus `MOST_ODDS`; as many of both also of beams that did not come back.
 #[derive(Clone, Copy, Debug, Default)]
-struct SeenCell {
-    /// How many more of the last scans saw a wall here than free space; below 0 the other way round, and 0 also of beams that did not come
-    /// back.
-    odds: i8,
-    /// The last scan that saw it, counted from 1; scan 0 is none.
-    scan: u32,
-}
+struct SeenCell(u32);
 
 /// The cells around the vehicle.
 #[derive(Clone, Debug, Default)]
@@ -188,36 +184,36 @@ impl Surroundings {
         if !self.cells.is_empty() && off.amax() <= OFF_MIDDLE_M / CELL_M {
             return;
         }
-        if self.scans.len() > 1 {
-            let mut cells = vec![SeenCell::default(); SIDE * SIDE];
-            // Those of both: in each axis from the first on, counted from the new corner and from the old one.
-            let shared = |off: f64| {
-                let off = off.clamp(-(SIDE as f64), SIDE as f64) as isize;
-                ((-off).max(0) as usize, off.max(0) as usize, SIDE - off.unsigned_abs())
-            };
-            let ((to_x, from_x, columns), (to_y, from_y, rows)) = (shared(off.x), shared(off.y));
-            for row in 0..rows {
-                let [to, from] = [(to_y + row) * SIDE + to_x, (from_y + row) * SIDE + from_x];
-                cells[to..to + columns].copy_from_slice(&self.cells[from..from + columns]);
-            }
-            self.cells = cells;
-        } else {
-            // What is there was forgotten.
-            self.cells.resize(SIDE * SIDE, SeenCell::default());
-        }
         self.corner = corner;
+        let side = SIDE as f64;
+        if self.scans.len() == 1 || off.amax() >= side {
+            self.cells.clear();
+            self.cells.resize(SIDE * SIDE, SeenCell::default());
+            return;
+        }
+        // Cells of rows and columns that come in are empty; those that go out lie there before they are emptied.
+        let places = (off.y * side + off.x).rem_euclid(side * side);
+        self.cells.rotate_left(places as usize);
+        let come_in = |off: f64| if off > 0.0 { SIDE - off as usize..SIDE } else { 0..-off as usize };
+        let (columns, rows) = (come_in(off.x), come_in(off.y));
+        for (at, row) in self.cells.chunks_exact_mut(SIDE).enumerate() {
+            let emptied = if rows.contains(&at) { 0..SIDE } else { columns.clone() };
+            row[emptied].fill(SeenCell::default());
+        }
     }
 
     fn at(&self, place_m: Vector2<f64>) -> CellState {
-        self.state_of(index_of(self.corner, place_m))
+        self.state_of(index_of(self.corner, place_m).and_then(|at| self.cells.get(at)).copied().unwrap_or_default())
     }
 
-    fn state_of(&self, index: Option<usize>) -> CellState {
-        match index.and_then(|at| self.cells.get(at)).copied().unwrap_or_default() {
-            SeenCell { scan, .. } if scan <= self.forgotten => CellState::Never,
-            SeenCell { odds: 1.., .. } => CellState::Wall,
-            SeenCell { odds: 0, .. } => CellState::Dark,
-            SeenCell { .. } => CellState::Free,
+    fn state_of(&self, cell: SeenCell) -> CellState {
+        if cell.scan() <= self.forgotten {
+            return CellState::Never;
+        }
+        match cell.odds().cmp(&MOST_ODDS) {
+            Ordering::Greater => CellState::Wall,
+            Ordering::Equal => CellState::Dark,
+            Ordering::Less => CellState::Free,
         }
     }
 
@@ -226,32 +222,75 @@ impl Surroundings {
         self.corner * CELL_M
     }
 
-    /// What was seen in a cell, counted from the corner along both axes.
-    pub(crate) fn state(&self, x: usize, y: usize) -> CellState {
-        self.state_of((x < SIDE && y < SIDE).then_some(y * SIDE + x))
+    /// What a disc lies on whose middle is a corner of cells, in cells from the corner of all: a wall anywhere, else what
+    /// was not seen free anywhere. Of a disc that is not all within the cells, `Never`.
+    pub(crate) fn under(&self, disc: &Disc, [x, y]: [usize; 2]) -> CellState {
+        let inside = disc.reach..=SIDE.saturating_sub(disc.reach);
+        if self.cells.is_empty() || !inside.contains(&x) || !inside.contains(&y) {
+            return CellState::Never;
+        }
+        // From the first cell of the square around the disc on.
+        let cells = &self.cells[(y - disc.reach) * SIDE + x - disc.reach..];
+        let mut under = CellState::Free;
+        for at in &disc.cells {
+            match self.state_of(cells[*at]) {
+                CellState::Wall => return CellState::Wall,
+                CellState::Free => {}
+                CellState::Never | CellState::Dark => under = CellState::Never,
+            }
+        }
+        under
     }
 
-    /// The stamp of the last scan that saw a cell, counted as above.
+    /// The stamp of the last scan that saw a cell, counted from the corner along both axes.
     pub(crate) fn seen_ns(&self, x: usize, y: usize) -> Option<u64> {
         let cell = self.cells.get(y * SIDE + x).filter(|_| x < SIDE)?;
-        let number = cell.scan.checked_sub(self.forgotten + 1)?;
+        let number = cell.scan().checked_sub(self.forgotten + 1)?;
         self.scans.get(number as usize).map(|(_, stamp_ns)| *stamp_ns)
     }
 }
 
+/// A disc around a corner of cells.
+#[derive(Clone, Debug)]
+pub(crate) struct Disc {
+    /// The side of the square around it, in cells from its middle.
+    reach: usize,
+    /// Its cells, by their places from the first one of that square on, in rows as long as all cells'. Those at its rim come first, as
+    /// walls stand there.
+    cells: Vec<usize>,
+}
+
+impl Disc {
+    pub(crate) fn new(radius_m: f64) -> Self {
+        let reach = (radius_m / CELL_M).ceil() as usize;
+        let off_m = |[x, y]: &[usize; 2]| {
+            [x, y].map(|along| (*along as f64 + 0.5 - reach as f64) * CELL_M).into_iter().fold(0.0, f64::hypot)
+        };
+        let square = (0..2 * reach).flat_map(|y| (0..2 * reach).map(move |x| [x, y]));
+        let mut cells: Vec<[usize; 2]> = square.filter(|cell| off_m(cell) <= radius_m).collect();
+        cells.sort_by(|a, b| off_m(b).total_cmp(&off_m(a)));
+        Self { reach, cells: cells.into_iter().map(|[x, y]| y * SIDE + x).collect() }
+    }
+}
+
 impl SeenCell {
+    fn scan(self) -> u32 {
+        self.0 / 8
+    }
+
+    fn odds(self) -> u32 {
+        self.0 % 8
+    }
+
     /// Sets what a scan saw here; the first that it is said to have seen counts. `scans`: the last that is forgotten, and this one.
     fn set(&mut self, [forgotten, scan]: [u32; 2], seen: CellState) {
-        if self.scan == scan {
-            return;
-        }
-        let before = if self.scan > forgotten { self.odds } else { 0 };
+        let before = if self.scan() > forgotten { self.odds() } else { MOST_ODDS };
         let odds = match seen {
-            CellState::Wall => before + 1,
-            CellState::Free => before - 1,
-            CellState::Dark | CellState::Never => before - before.clamp(0, 1),
+            CellState::Wall => (before + 1).min(2 * MOST_ODDS),
+            CellState::Free => before.max(1) - 1,
+            CellState::Dark | CellState::Never => before - u32::from(before > MOST_ODDS),
         };
-        *self = Self { odds: odds.clamp(-MOST_ODDS, MOST_ODDS), scan };
+        *self = if self.scan() == scan { *self } else { Self(scan * 8 + odds) };
     }
 }
 
