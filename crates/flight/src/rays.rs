@@ -128,7 +128,7 @@ impl Rays {
     /// Whether a place lies nearer than the line between the ends of the two rays beside it.
     pub(crate) fn sees(&self, place_m: &Vector2<f64>) -> bool {
         let turned_rad = self.after_first_rad(place_m.y.atan2(place_m.x));
-        let after = self.first_not(turned_rad, |ray| ray.bearing_rad <= turned_rad);
+        let after = self.rays.partition_point(|ray| ray.bearing_rad <= turned_rad);
         if after == self.rays.len() && !self.full_turn {
             return false;
         }
@@ -150,22 +150,7 @@ impl Rays {
     /// The ray that is nearest to a bearing.
     pub(crate) fn at(&self, bearing_rad: f64) -> usize {
         let turned_rad = self.after_first_rad(bearing_rad);
-        self.beside(turned_rad, self.first_not(turned_rad, |ray| ray.bearing_rad < turned_rad))
-    }
-
-    /// The index of the first ray that is not `before`, which is so of those up to this bearing: from where it would be if no beam were
-    /// without a ray.
-    fn first_not(&self, turned_rad: f64, before: impl Fn(&Ray) -> bool) -> usize {
-        let [first_rad, last_rad] = [0, self.rays.len() - 1].map(|at| self.rays[at].bearing_rad);
-        let share = (turned_rad - first_rad) / (last_rad - first_rad).max(f64::MIN_POSITIVE);
-        let mut at = ((share * self.rays.len() as f64) as usize).min(self.rays.len());
-        while self.rays.get(at).is_some_and(&before) {
-            at += 1;
-        }
-        while at > 0 && !before(&self.rays[at - 1]) {
-            at -= 1;
-        }
-        at
+        self.beside(turned_rad, self.rays.partition_point(|ray| ray.bearing_rad < turned_rad))
     }
 
     /// A bearing, counted from that of the first ray on over a turn.

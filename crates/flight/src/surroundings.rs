@@ -347,7 +347,7 @@ mod tests {
         surroundings.add(&at(0.0), 0, &ahead());
         let far = ahead().rays.into_iter().map(|ray| Ray { free_m: 6.0, end: RayEnd::Range, ..ray });
         let door = Rays::of_one_wall(far.collect(), false);
-        surroundings.add(&at(0.3), 0, &door);
+        surroundings.add(&at(0.5), 0, &door);
         assert_eq!(surroundings.ray(&Isometry2::identity(), 0.0, 5.0).end, RayEnd::Range);
         surroundings.add(&at(100.0), 0, &door);
         assert_eq!(surroundings.ray(&Isometry2::identity(), 0.0, 5.0).end, RayEnd::Unknown);
