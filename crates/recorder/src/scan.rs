@@ -1,13 +1,14 @@
 //! What the sensor saw, in the body frame (metres, x forward, y left): 3D archetypes, seen from above in the layout.
 
-use crosscut_stage::{Beam, Frame, Junction, Opening, Point, Revolution, Sweep};
+use crosscut_flight::{FlightAnswer, SteadyOpening};
+use crosscut_stage::{Beam, Frame, Junction, Opening, Point, Revolution, Sweep, unit};
 use nalgebra::Vector3;
 use rerun::{
     Arrows3D, AsComponents, LineStrip3D, LineStrips3D, Points3D, Radius, RecordingStream, RecordingStreamResult,
     Scalars,
 };
 
-use crate::colors::{GREY, GRID, OPENING, color, series};
+use crate::colors::{DOUBTS, GREY, GRID, OPENING, color, series};
 use crate::polyline::simplified;
 use crate::rows::Rows;
 use crate::schema::{
@@ -39,7 +40,7 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     rec.log_static(SCAN_RETURNS.path, &Points3D::update_fields().with_radii([ui(2.5)]))?;
     rec.log_static(SCAN_COUNT.path, &series("returns", GREY, 1.5))?;
     rec.log_static(SCAN_WALLS.path, &LineStrips3D::update_fields().with_radii([ui(1.0)]).with_show_labels(false))?;
-    let arrows = Arrows3D::update_fields().with_radii([ui(2.5)]).with_colors([color(OPENING)]);
+    let arrows = Arrows3D::update_fields().with_radii([ui(2.5)]);
     let bars = LineStrips3D::update_fields().with_radii([ui(1.5)]).with_colors([color(OPENING)]);
     let widths = Points3D::update_fields().with_radii([ui(0.0)]).with_colors([color(OPENING)]).with_show_labels(true);
     rec.log_static(SCAN_OPENINGS.path, &[&arrows as &dyn AsComponents, &bars, &widths])?;
@@ -58,7 +59,8 @@ pub(crate) fn log(rows: &mut Rows, frame: &Frame, classes: &Classes, reach_m: f6
         rows.log_tensor(&SCAN_SEEN, u8_vector(sweep.beams.iter().map(seen), SCAN_SEEN.dims), &[]);
     }
     log_walls(rows, revolution, junction, classes);
-    log_openings(rows, &junction.openings, reach_m);
+    let steady = FlightAnswer::of(frame).steady.as_ref().map_or(&[][..], |steady| &steady.openings);
+    log_openings(rows, &junction.openings, steady, reach_m);
 }
 
 /// 2: a return; 1: nothing in range; 0: unknown.
@@ -103,8 +105,9 @@ fn wall_strips(points_m: &[Point], wall_of: &[Option<u32>], closed: bool) -> Vec
     strips
 }
 
-/// An arrow through each opening with its width, and a bar across it; bearing and width exactly as a tensor.
-fn log_openings(rows: &mut Rows, openings: &[Opening], reach_m: f64) {
+/// An arrow through each opening with its width, and a bar across it; bearing and width exactly as a tensor. From the sensor an
+/// arrow to each opening of the steady answer, in another colour where no scan saw through.
+fn log_openings(rows: &mut Rows, openings: &[Opening], steady: &[SteadyOpening], reach_m: f64) {
     let arrow_m = |o: &Opening| ARROW * reach_m * inwards(o);
     let beyond = |o: &Opening| {
         let far_m = reach_m * (WIDTH_BEYOND + WIDTH_ASIDE * inwards(o).y.abs());
@@ -113,8 +116,17 @@ fn log_openings(rows: &mut Rows, openings: &[Opening], reach_m: f64) {
     };
     let width = |o: &Opening| format!("{}{:.1} m", if o.is_cut_by_view() { "≥ " } else { "" }, o.width_m);
     let widths = Points3D::new(openings.iter().map(beyond)).with_labels(openings.iter().map(width));
-    let arrows = Arrows3D::from_vectors(openings.iter().map(|o| xyz(&arrow_m(o).into())))
-        .with_origins(openings.iter().map(|o| xyz(&(middle(o) - 0.25 * arrow_m(o)))));
+    let [_, _, unsure, _] = DOUBTS;
+    let of_scan = openings.iter().map(|o| (middle(o) - 0.25 * arrow_m(o), arrow_m(o), OPENING));
+    let of_flight = steady.iter().map(|o| {
+        let vector_m = (ARROW * reach_m * unit(o.bearing_rad)).push(0.0);
+        (Point::origin(), vector_m, if o.seen_ns.is_some() { OPENING } else { unsure })
+    });
+    let (origins, (vectors, colors)): (Vec<_>, (Vec<_>, Vec<_>)) = of_scan
+        .chain(of_flight)
+        .map(|(origin_m, vector_m, rgba)| (xyz(&origin_m), (xyz(&vector_m.into()), color(rgba))))
+        .unzip();
+    let arrows = Arrows3D::from_vectors(vectors).with_origins(origins).with_colors(colors);
     let bars = LineStrips3D::new(openings.iter().map(|o| o.edge_m.map(|end| xyz(&end))));
     let exact = openings.iter().flat_map(|o| [o.bearing_rad, o.width_m]).collect();
     let table = f64_matrix(exact, [openings.len(), 2], SCAN_OPENINGS.dims);

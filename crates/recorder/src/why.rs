@@ -97,8 +97,10 @@ pub(crate) fn log(rows: &mut Rows, frame: &Frame, explanation: &Explanation, tol
     paragraphs.extend(told.changed.clone());
     let legend = if frame.affinity.dual.is_some() { LEGEND_OF_WAYS } else { LEGEND };
     paragraphs.push(told.context(frame));
-    let steady = FlightAnswer::of(frame).steady.as_ref();
-    paragraphs.extend(steady.map(|steady| format!("Steady: {}", steady.words(frame.revolution.stamp_ns))));
+    let steady = FlightAnswer::of(frame).steady.as_ref().map(|steady| steady.words(frame.revolution.stamp_ns));
+    paragraphs.extend(
+        steady.map(|words| format!("Steady: {words} In **7** they are arrows from the sensor, *yellow* if judged.")),
+    );
     paragraphs.extend([legend.into(), explanation.details(frame, &color_of)]);
     rows.log(&REPORT_WHY, &TextDocument::new(paragraphs.join("\n\n")));
     for event in watch.events(frame, told.truth) {

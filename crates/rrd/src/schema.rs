@@ -173,7 +173,7 @@ entities! {
     SCAN_WALLS: "/scan/walls", LINES_3D, ["point", "axis"], "m", Drawing, Revolution,
         "lines along the walls within 3 cm of the returns, broken at gaps";
     SCAN_OPENINGS: "/scan/openings", TENSOR, ["opening", "bearing_rad, width_m"], "rad, m", Exact, Revolution,
-        "bearing and width of each opening, drawn as arrows and bars";
+        "bearing and width of each opening, drawn as arrows and bars; arrows from the sensor are the openings of the steady answer";
     SCAN_CLOUD: "/scan/cloud", POINTS_3D, ["point", "axis"], "m", Exact, Event,
         "all points of a cloud that the affinity takes whole (preset `3d`), in the colours of the ways that they lie in";
     SCAN_CLOUD_TILT: "/scan/cloud/tilt", SCALAR, ["x, y, z, w"], "", Exact, Event,
