@@ -25,7 +25,7 @@ const OFF_MIDDLE_M: f64 = 1.5;
 pub(crate) const REACH_M: f64 = RADIUS_M - OFF_MIDDLE_M - CELL_M;
 
 /// A scan adds to the cells once the vehicle has moved or turned this far since the last one that did.
-const MOVED_M: f64 = 0.4;
+const MOVED_M: f64 = 0.2;
 const TURNED_RAD: f64 = 0.1;
 
 /// A ray begins at this distance: nearer to the sensor than this is the vehicle.
@@ -347,7 +347,7 @@ mod tests {
         surroundings.add(&at(0.0), 0, &ahead());
         let far = ahead().rays.into_iter().map(|ray| Ray { free_m: 6.0, end: RayEnd::Range, ..ray });
         let door = Rays::of_one_wall(far.collect(), false);
-        surroundings.add(&at(0.5), 0, &door);
+        surroundings.add(&at(0.3), 0, &door);
         assert_eq!(surroundings.ray(&Isometry2::identity(), 0.0, 5.0).end, RayEnd::Range);
         surroundings.add(&at(100.0), 0, &door);
         assert_eq!(surroundings.ray(&Isometry2::identity(), 0.0, 5.0).end, RayEnd::Unknown);

@@ -1,6 +1,7 @@
 //! What is drawn of a frame, compared with the frame: each drawing read back as a person would read it.
 
 use crosscut_explain::Explanation;
+use crosscut_flight::{FlightAnswer, SteadyOpening};
 use crosscut_rrd::{Numbers, Value};
 use crosscut_stage::{Beam, Frame, Point};
 use faer::Mat;
@@ -78,13 +79,26 @@ pub(crate) fn comparison(entity: &str, component: &str) -> Option<fn(&Value, &Fr
             |value, _| texts(value).last().is_some_and(|label| label == "3.5 of 4.0 m")
         }
         ("/scan/sphere/marks", "Points2D:colors") => |value, frame| wholes(value).len() == dual(frame).ways.len() + 1,
-        ("/scan/openings", "Arrows3D:origins") => |value, frame| points(value).len() == frame.junction.openings.len(),
+        ("/scan/openings", "Arrows3D:origins") => |value, frame| {
+            points(value)[frame.junction.openings.len()..] == vec![vec![0.0; 3]; steady_openings(frame).len()]
+        },
+        ("/scan/openings", "Arrows3D:colors") => |value, frame| {
+            const PINK: i64 = 0xE830_8CFF;
+            let is_pink = wholes(value).into_iter().map(|color| color == PINK);
+            let seen = steady_openings(frame).iter().map(|opening| opening.seen_ns.is_some());
+            is_pink.eq(frame.junction.openings.iter().map(|_| true).chain(seen))
+        },
         ("/scan/openings", "Arrows3D:vectors") => |value, frame| {
             let across = |(vector, o): (&Vec<f64>, &crosscut_stage::Opening)| {
                 let along = o.edge_m[1] - o.edge_m[0];
                 (vector[0] * along.x + vector[1] * along.y).abs() < 1e-5 && vector[0].hypot(vector[1]) > 1.0
             };
-            points(value).iter().zip(&frame.junction.openings).all(across)
+            let towards = |(vector, o): (&Vec<f64>, &SteadyOpening)| {
+                (vector[1].atan2(vector[0]) - o.bearing_rad).abs() < 1e-5 && vector[0].hypot(vector[1]) > 1.0
+            };
+            let (vectors, openings) = (points(value), &frame.junction.openings);
+            let (of_scan, of_flight) = vectors.split_at(openings.len());
+            of_scan.iter().zip(openings).all(across) && of_flight.iter().zip(steady_openings(frame)).all(towards)
         },
         ("/scan/openings", "LineStrips3D:strips") => |value, frame| {
             lines(value).into_iter().eq(frame
@@ -284,6 +298,10 @@ fn is_of_ranges(line: &[Vec<f64>], frame: &Frame) -> bool {
 /// A point with the precision that it is drawn with.
 fn drawn(p: &crosscut_stage::Point) -> Vec<f64> {
     p.iter().map(|&x| f64::from(x as f32)).collect()
+}
+
+fn steady_openings(frame: &Frame) -> &[SteadyOpening] {
+    FlightAnswer::of(frame).steady.as_ref().map_or(&[], |steady| &steady.openings)
 }
 
 pub(crate) fn points(value: &Value) -> Vec<Vec<f64>> {

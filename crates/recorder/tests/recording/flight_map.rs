@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crosscut_flight::{FlightAnswer, Here, HereKind, Map, Mapper, NoPlace, Steady, Way};
+use crosscut_flight::{FlightAnswer, Here, HereKind, Map, Mapper, NoPlace, Steady, SteadyOpening, Way};
 use crosscut_rrd::{Numbers, Value};
 use crosscut_stage::Frame;
 use nalgebra::{Isometry2, Point2};
@@ -21,7 +21,10 @@ pub(crate) fn fly(frame: &mut Frame) {
     let ways = [-PI / 2.0, PI / 2.0, PI].map(way).to_vec();
     let here = Here { kind: HereKind::Junction, look_m: 20.0, ways, is_middle: true, confidence: 1.0 };
     let pose = Some(Isometry2::new([STEP_M * seq, 0.5].into(), 0.1 * seq));
-    let steady = Some(Steady { junctions: 3, here: Some(here.clone()), openings: Vec::new() });
+    let opening =
+        |track: u64, seen_ns| SteadyOpening { track, bearing_rad: track as f64, width_m: 3.5, p: Some(0.6), seen_ns };
+    let openings = vec![opening(0, None), opening(1, Some(frame.revolution.stamp_ns))];
+    let steady = Some(Steady { junctions: 3, here: Some(here.clone()), openings });
     FlightAnswer { pose, doubt: None, here: Some(here), steady }.put(frame);
 }
 
