@@ -39,20 +39,28 @@ pub(super) fn clear_m(sight: &Sight, place_m: &Vector3<f64>) -> f64 {
     squared_m2.fold(f64::INFINITY, f64::min).sqrt()
 }
 
-/// The radius of the largest ball around the sensor: that about it, or about a place inside it, in view, with more room.
+/// The radius of the largest ball that holds the sensor and no return, and whose centre is in view and no farther aside than the
+/// nearest return: near the ground the ball rises to the middle of the place, and does not roll along. The centre is no farther
+/// away at all where nothing is seen beyond, or, in a level sweep, nothing above and below.
 pub(super) fn room_m(sphere: &Sphere, sight: &Sight) -> f64 {
     let here_m = clear_m(sight, &Vector3::zeros());
     if !here_m.is_finite() {
         return here_m;
     }
+    let is_level = sphere.rings().len() == 1;
+    let is_in_view = |place_m: &Vector3<f64>, range_m: f64| match sight.seen[sphere.cell(place_m, range_m)] {
+        Seen::Return(point_m) if !is_level => range_m <= point_m.norm() && place_m.xy().norm() <= here_m,
+        Seen::Unknown => false,
+        _ => range_m <= here_m,
+    };
     let (mut best_m, mut place_m, mut step_m) = (here_m, Vector3::zeros(), 0.5 * here_m);
     while step_m > 0.05 * here_m {
         let tried = MOVES.map(|[x, y, z]| {
             let moved_m = place_m + Unit::new_normalize(Vector3::new(x, y, z)).scale(step_m);
             let range_m = moved_m.norm();
-            let inside =
-                range_m <= here_m && (range_m == 0.0 || sight.seen[sphere.cell(&moved_m, range_m)] != Seen::Unknown);
-            (if inside { clear_m(sight, &moved_m) } else { 0.0 }, moved_m)
+            let inside = range_m == 0.0 || is_in_view(&moved_m, range_m);
+            let room_m = if inside { clear_m(sight, &moved_m) } else { 0.0 };
+            (if room_m >= range_m { room_m } else { 0.0 }, moved_m)
         });
         let Some((room_m, moved_m)) = tried.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)) else { break };
         if room_m > best_m {

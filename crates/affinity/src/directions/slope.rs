@@ -31,10 +31,13 @@ pub(super) fn slopes_rad(
     ways: &[Found],
 ) -> Vec<Option<f64>> {
     let mut sets = DisjointSets::default();
-    let [near, far, less_far] =
-        MIDDLES.map(|radius| sections(sphere, sight, reach_m, radius * room_m, ways, &mut sets));
+    let mut sections = |radius: f64| sections(sphere, sight, reach_m, radius * room_m, ways, &mut sets);
+    let (near, mut far) = (sections(MIDDLES[0]), sections(MIDDLES[1]));
+    if far.iter().any(Option::is_none) {
+        far.iter_mut().zip(sections(MIDDLES[2])).for_each(|(far, less_far)| *far = far.or(less_far));
+    }
     let slope_rad = |way: usize| {
-        let (near, far) = near[way].zip(far[way].or(less_far[way]))?;
+        let (near, far) = near[way].zip(far[way])?;
         let line = match [0, 1].map(|edge| near.is_cut[edge] || far.is_cut[edge]) {
             [false, true] => far.edge_m(1) - near.edge_m(1),
             [true, false] => far.edge_m(0) - near.edge_m(0),
