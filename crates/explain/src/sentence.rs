@@ -10,8 +10,8 @@ use crate::{Change, Explanation, ways};
 impl Explanation {
     /// The count: "4 walls." or "4 walls and 1 island." And what is nearest to another one: "Without wall 3 (vermilion), which
     /// has 2 returns, there would be 3 walls. There would be 3 walls if wall 1 (orange) and wall 2 (blue) were one: their ends
-    /// are 3.2 m apart."; empty if nothing is known to be near. Of ways on: "4 ways on, 3 walls.", the least sure of them
-    /// that is not sure, and what parts the two that are nearest to being one.
+    /// are 3.2 m apart."; empty if nothing is known to be near. Of ways on: "4 ways on. Level view: 3 walls.", R, the least
+    /// sure of them that is not sure, and what parts the two that are nearest to being one.
     /// `color_of` names the colour in which a wall is drawn.
     pub fn sentence(&self, frame: &Frame, color_of: &dyn Fn(u32) -> &'static str) -> [String; 2] {
         let count = frame.junction.junctions;
@@ -26,9 +26,13 @@ impl Explanation {
             let least = ways.iter().filter(|way| way.p < SURE).min_by(|a, b| a.p.total_cmp(&b.p));
             let least = least.map(|way| format!("The least sure is {}, p = {:.2}.", way.words(), way.p));
             let nearest = frame.affinity.dual.as_ref().and_then(|dual| ways::nearest(ways, dual, color_of));
-            let reason = least.into_iter().chain(nearest).collect::<Vec<_>>().join(" ");
-            let walls = if frame.revolution.is_empty() { "no wall in the level view." } else { &title };
-            return [format!("{} on, {walls}", counted(ways.len() as u64, "way")), reason];
+            let room =
+                frame.affinity.dual.as_ref().map(|dual| {
+                    format!("R is {:.1} m: the radius of the largest ball around the sensor.", dual.room_m)
+                });
+            let reason = room.into_iter().chain(least).chain(nearest).collect::<Vec<_>>().join(" ");
+            let walls = if frame.revolution.is_empty() { "no wall." } else { &title };
+            return [format!("{} on. Level view: {walls}", counted(ways.len() as u64, "way")), reason];
         }
         let named = |id: u32| wall(id, color_of(id));
         let near = self.nearest.as_ref().map(|Nearest { count, walls: of, gap_m, .. }| {

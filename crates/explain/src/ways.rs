@@ -10,7 +10,7 @@ fn of_way(name: &str, way: &Way, dual: &Dual) -> String {
     let far = if reach_m.is_finite() { format!("{reach_m:.1} m far") } else { "as far as the sensor sees".to_owned() };
     let cut = if way.cut_by_view { " It goes on beyond the view: this is of the part in view." } else { "" };
     let wide = if way.is_wide {
-        " It takes up half a turn, as in a place that is wide for its height: it may be several ways."
+        " It takes up half a turn, or a third of all directions, as in a place that is wide for its height: it may be several ways."
     } else {
         ""
     };

@@ -366,6 +366,7 @@ fn ways_say_in_metres_what_parts_them_by_the_numbers_of_the_report() {
         between: vec![Between { ways: [0, 1], direction: to(0.0, 0.6, 0.8), reach_m: 2.94 }],
         tilt: Default::default(),
         view_rad: [-1.0, 1.5],
+        room_m: 1.87,
         cut_m: 4.2,
         on_m: 4.6,
     });
@@ -375,14 +376,18 @@ fn ways_say_in_metres_what_parts_them_by_the_numbers_of_the_report() {
         ways(&frame, &|_| "red"),
         [
             "**way 0 (red)**, level at +90°, 0° up: 3.0 m, p = 0.60: the vehicle gets 14.2 m far in it, and 4.6 m make a way. It goes \
-             on beyond the view: this is of the part in view. It takes up half a turn, as in a place that is wide for its height: it \
-             may be several ways.",
+             on beyond the view: this is of the part in view. It takes up half a turn, or a third of all directions, as in a place that \
+             is wide for its height: it may be several ways.",
             "**way 1 (red)**, shaft up at +0°, 90° up: 2.4 m, p = 0.98: the vehicle gets as far as the sensor sees in it, and 4.6 m \
              make a way.",
             parted
         ]
     );
     let [title, reason] = Explanation::of(&frame).sentence(&frame, &|_| "red");
-    assert_eq!(title, "2 ways on, no wall in the level view.");
-    assert!(reason.starts_with("The least sure is level at") && reason.ends_with(parted), "{reason}");
+    assert_eq!(title, "2 ways on. Level view: no wall.");
+    assert!(
+        reason.starts_with("R is 1.9 m: the radius of the largest ball around the sensor. The least sure is level at")
+            && reason.ends_with(parted),
+        "{reason}"
+    );
 }

@@ -63,9 +63,9 @@ fn summary(frame: &Frame, classes: &Classes) -> String {
     let (count, k, n) = (junction.junctions, spectrum.k, frame.revolution.len());
     let confidence =
         junction.confidence.map_or("unknown".to_owned(), |confidence| format!("{:.0} %", 100.0 * confidence));
-    let ways = junction.ways.as_ref().map_or_else(String::new, |ways| counted(ways.len() as u64, "way") + " on · ");
+    let ways = junction.ways.as_ref().map(|ways| counted(ways.len() as u64, "way") + " on · level view: ");
     let mut lines = vec![
-        format!("# {ways}{} · {}\n", counted(count as u64, "wall"), junction.place.words()),
+        format!("# {}{} · {}\n", ways.unwrap_or_default(), counted(count as u64, "wall"), junction.place.words()),
         format!("k = {k}, {}, confidence {confidence}.", counted(n as u64, "return")),
     ];
     lines.extend(spectrum.margin_decades.map(|margin| format!("Margin of k: {margin:.1} decades.")));

@@ -71,7 +71,8 @@ impl Sensor {
             } else {
                 String::new()
             };
-            notes.add(N063, format!("{aside} above or below the vehicle, or within it, ignored{heights}"));
+            let ignored = if out.cloud_m.is_empty() { "ignored" } else { "not in the level view" };
+            notes.add(N063, format!("{aside} above or below the vehicle, or within it, {ignored}{heights}"));
         }
     }
 

@@ -25,6 +25,8 @@ pub struct Dual {
     pub between: Vec<Between>,
     /// The lowest and the highest elevation that the sensor looks at, in [-π/2, π/2].
     pub view_rad: [f64; 2],
+    /// R, the radius of the largest ball around the sensor, metres; 0 where nothing is seen.
+    pub room_m: f64,
     /// The distance at which the directions were cut, metres.
     pub cut_m: f64,
     /// The distance that the vehicle gets far in a way, or farther, metres.
@@ -89,7 +91,7 @@ pub struct Way {
     pub evidence: Evidence,
     /// It goes on beyond what the sensor looks at: direction and clearance are those of the part in view.
     pub cut_by_view: bool,
-    /// It takes up half a turn, as in a place that is wide for its height: it may be several ways.
+    /// It takes up half a turn, or a third of all directions, as in a place that is wide for its height: it may be several ways.
     pub is_wide: bool,
 }
 

@@ -9,14 +9,15 @@
 //!    in fewer than half of them is not looked at, nor is one at the edge with fewer than half of the returns of the one beside it:
 //!    in a part of a cell, a few returns of dust would count. Elsewhere a cell without a return is open. Rings lie about the
 //!    axis of the lidar, also of a tilted one.
-//! 2. **Room.** R is the radius of the largest ball that holds no return and whose centre lies in the one about the sensor.
+//! 2. **Room.** R is the radius of the largest ball that holds the sensor and no return, its centre no farther aside than the
+//!    nearest return: from near the ground it rises to the middle of the place, and does not roll along.
 //! 3. **Reach.** F(e) is how far the vehicle's ball, of radius r, gets straight on in direction e: the least p·e - √(r² - |p -
 //!    (p·e) e|²) over the returns p that are nearer than r to the ray.
 //! 4. **Cut.** Nodes are the cells with F(e) >= 2.25 R; W_ij = exp(-σ |e_i - e_j|²) between cells that touch, 0 otherwise, and
 //!    W_ii = 1. The components are the ways, if one of their cells has F(e) >= 2.475 R. Rock that reaches between two ways nearer than
 //!    2.25 R tells them apart, and a recess that is not as deep is none.
 //! 5. **What stays.** p of a way is the share of right answers, on development seeds, whose least way stays by itself at as
-//!    many of five distances from 1.75 to 2.75 R; less where the view cuts it or is narrow, where it takes up half a turn, as in a
+//!    many of five distances from 1.75 to 2.75 R; less where the view cuts it or is narrow, where it takes up half a turn or 30 % of all directions, as in a
 //!    place that is wide for its height, and where something is seen hardly farther than r: it is rather the vehicle.
 //!
 //! 6. **Slope** of a way is the elevation of the line between its middles at 2 R and 3 R, each the mean of the cells with F(e) that
@@ -260,6 +261,7 @@ impl AffinityStage for Directions {
             between: sky.between(&ways),
             ways: ways.iter().map(|found| found.way).collect(),
             view_rad: sky.view_rad(),
+            room_m,
             cut_m: ways::APART * room_m,
             on_m: ways::ON * room_m,
         });

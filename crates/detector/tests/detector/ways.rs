@@ -85,14 +85,14 @@ fn a_sensor_that_cannot_see_up_says_how_far_it_sees() {
     assert!((-0.36..=-0.2).contains(&low_rad) && (0.2..=0.36).contains(&high_rad), "{low_rad} to {high_rad}");
 }
 
-/// A gallery 4 m wide and 4 m high from 0.8 m above its floor, as 64 x 512 beams see it between elevations; turned by so much nose up.
-fn low_in_a_gallery(half_view_deg: f64, slope_rad: f64) -> Cloud {
+/// A gallery as high as wide from 0.8 m above its floor, as 64 x 512 beams see it between elevations; turned by so much nose up.
+fn low_in_a_gallery(half_m: f64, half_view_deg: f64, slope_rad: f64) -> Cloud {
     let point = |at: usize| {
         let (ring, column) = ((at / 512) as f64, (at % 512) as f64);
         let (up, out) = (half_view_deg.to_radians() * ((ring + 0.5) / 32.0 - 1.0)).sin_cos();
         let (sin, cos) = (column / 512.0 * std::f64::consts::TAU).sin_cos();
-        let high_m = if up > 0.0 { 3.2 } else { 0.8 };
-        let range_m = (2.0 / (out * sin).abs().max(1e-9)).min(high_m / up.abs());
+        let high_m = if up > 0.0 { 2.0 * half_m - 0.8 } else { 0.8 };
+        let range_m = (half_m / (out * sin).abs().max(1e-9)).min(high_m / up.abs());
         let turned = UnitQuaternion::from_euler_angles(0.0, -slope_rad, 0.0);
         (turned * Vector3::new(out * cos, out * sin, up) * range_m.min(40.0)).into()
     };
@@ -102,17 +102,30 @@ fn low_in_a_gallery(half_view_deg: f64, slope_rad: f64) -> Cloud {
 #[test]
 fn kinds_go_by_the_slope_of_ways_wherever_the_sensor_stands() {
     for half_view_deg in [90.0, 45.0, 22.5] {
-        let level = answer(Preset::ThreeD, &low_in_a_gallery(half_view_deg, 0.0)).junction;
+        let level = answer(Preset::ThreeD, &low_in_a_gallery(2.0, half_view_deg, 0.0)).junction;
         assert_eq!(kinds(&level), [WayKind::Level; 2], "{half_view_deg}: {:#?}", level.ways);
         let seen_rad = level.ways.iter().flatten().map(crosscut_stage::Way::elevation_rad);
         assert!(seen_rad.clone().all(|rad| half_view_deg < 30.0 || rad > 0.18), "{:?}", seen_rad.collect::<Vec<_>>());
         assert_eq!(level.openings.len(), 2, "{half_view_deg}: {:#?}", level.openings);
     }
-    let ramp = answer(Preset::ThreeD, &low_in_a_gallery(90.0, 0.4)).junction;
+    let ramp = answer(Preset::ThreeD, &low_in_a_gallery(2.0, 90.0, 0.4)).junction;
     let mut of_kinds = kinds(&ramp);
     of_kinds.sort_by_key(ToString::to_string);
     assert_eq!(of_kinds, [WayKind::RampDown, WayKind::RampUp], "{:#?}", ramp.ways);
     assert!(ramp.openings.is_empty(), "{:#?}", ramp.openings);
+}
+
+#[test]
+fn near_the_ground_the_room_is_that_of_the_place() {
+    for half_m in [2.0, 4.0, 7.0] {
+        let frame = answer(Preset::ThreeD, &low_in_a_gallery(half_m, 90.0, 0.0));
+        let room_m = frame.affinity.dual.as_ref().expect("directions").room_m;
+        assert!((room_m / half_m - 1.0).abs() < 0.1, "{room_m} of {half_m}");
+        assert_eq!(kinds(&frame.junction), [WayKind::Level; 2], "{half_m}: {:#?}", frame.junction.ways);
+    }
+    // Below open sky a ball rises no farther than the sensor is above the ground.
+    let ground = (0..10_000).map(|at| [0.2 * f64::from(at % 100) - 10.0, 0.2 * f64::from(at / 100) - 10.0, -0.8]);
+    assert!(answer_of_any(&Cloud { points_m: ground.collect(), ..Cloud::default() }).ways.is_some());
 }
 
 #[test]

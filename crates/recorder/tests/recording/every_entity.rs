@@ -289,7 +289,11 @@ fn text_comparison(entity: &str, component: &str) -> Option<fn(&Value, &Frame) -
                 .walls
                 .iter()
                 .map(|wall| format!("| {} | {} | {} |", wall.id, COLOURS[wall.id as usize], wall.returns));
-            let ways = frame.junction.ways.as_ref().map_or(String::new(), |ways| format!("{} ways on · ", ways.len()));
+            let ways = frame
+                .junction
+                .ways
+                .as_ref()
+                .map_or(String::new(), |ways| format!("{} ways on · level view: ", ways.len()));
             let rows = frame.junction.ways.iter().flatten().zip(COLOURS);
             let rows = rows.map(|(way, colour)| format!("| {colour} | {} | {:.2} |", way.words(), way.p));
             let count = format!("# {ways}{} walls · ", frame.junction.junctions);

@@ -89,7 +89,8 @@ pub(crate) fn make_ways(frame: &mut Frame) {
     frame.revolution.cloud_tilt = UnitQuaternion::from_euler_angles(0.1, -0.2, 0.0);
     frame.junction.ways = Some(ways.clone());
     let tilt = UnitQuaternion::default();
-    frame.affinity.dual = Some(Dual { cells, ways, between, tilt, view_rad: [-0.3, 0.3], cut_m: 4.0, on_m: 4.4 });
+    frame.affinity.dual =
+        Some(Dual { cells, ways, between, tilt, view_rad: [-0.3, 0.3], room_m: 1.8, cut_m: 4.0, on_m: 4.4 });
 }
 
 /// When revolution `seq` was taken.
