@@ -27,7 +27,7 @@ impl Explanation {
             let least = least.map(|way| format!("The least sure is {}, p = {:.2}.", way.words(), way.p));
             let nearest = frame.affinity.dual.as_ref().and_then(|dual| ways::nearest(ways, dual, color_of));
             let room =
-                frame.affinity.dual.as_ref().map(|dual| {
+                frame.affinity.dual.as_ref().filter(|dual| dual.room_m > 0.0).map(|dual| {
                     format!("R is {:.1} m: the radius of the largest ball around the sensor.", dual.room_m)
                 });
             let reason = room.into_iter().chain(least).chain(nearest).collect::<Vec<_>>().join(" ");
