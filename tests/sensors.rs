@@ -196,7 +196,7 @@ fn the_ways_of_a_cloud_stand_in_the_results_where_they_are_asked_for() {
     assert!(results_of(&flight, &["--quiet"]).1.iter().all(|line| line.get("ways").is_none()));
     let path = flight.display().to_string();
     let summary = run(["run", &path, "--preset", "3d"]).stdout;
-    assert!(summary.contains("cut by view") && summary.matches(" level ").count() == 2, "{summary}");
+    assert!(summary.contains("cut by view") && summary.matches("  level  ").count() == 2, "{summary}");
     // Beside presets that do not take clouds.
     let confidence = |with: &[&str]| {
         let with = with.iter().flat_map(|with| ["--with", with]);
