@@ -156,7 +156,7 @@ mod tests {
         let here = Some(Here { kind: here, look_m: 5.0, ways: Vec::new(), is_middle: true, confidence: 0.9 });
         let mut frame = Frame::default();
         frame.junction.junctions = count;
-        let steady = Some(Steady { junctions: steady, here: None, openings: Vec::new() });
+        let steady = Some(Steady { junctions: steady, here: None, openings: Vec::new(), closed_rad: Vec::new() });
         FlightAnswer { pose: None, doubt: None, here, steady }.put(&mut frame);
         frame
     }

@@ -111,15 +111,22 @@ pub struct Steady {
     pub here: Option<Here>,
     /// The openings, by bearing ascending.
     pub openings: Vec<SteadyOpening>,
+    /// Bearings of the openings of the scan that what was seen before closes.
+    pub closed_rad: Vec<f64>,
 }
 
 impl Steady {
     /// By what it stands, at this stamp: "3 walls. Openings: at +12°, seen through now; at +95°, seen through 3.9 s ago; at -80°, judged,
-    /// p = 0.30."
+    /// p = 0.30. Closed, as seen before: at -20°."
     pub fn words(&self, now_ns: u64) -> String {
         let openings: Vec<String> = self.openings.iter().map(|opening| opening.words(now_ns)).collect();
         let listed = if openings.is_empty() { "none".to_owned() } else { openings.join("; ") };
-        format!("{}. Openings: {listed}.", counted(self.junctions as u64, "wall"))
+        let closed: Vec<String> = self.closed_rad.iter().map(|bearing_rad| degrees_words(*bearing_rad)).collect();
+        let closed = match closed.is_empty() {
+            true => String::new(),
+            false => format!(" Closed, as seen before: at {}.", closed.join(", ")),
+        };
+        format!("{}. Openings: {listed}.{closed}", counted(self.junctions as u64, "wall"))
     }
 }
 

@@ -76,7 +76,7 @@ struct Track {
 impl Steadier {
     /// The steady answer at the next revolution, whose pose and place `flown` holds, with its openings by all that was seen; `None` until a
     /// revolution has returns.
-    pub(crate) fn add(&mut self, frame: &Frame, flown: &FlightAnswer, openings: &[KnownOpening]) -> Option<Steady> {
+    pub(crate) fn add(&mut self, frame: &Frame, flown: &FlightAnswer, known: &[KnownOpening]) -> Option<Steady> {
         // Revolutions of a new stretch do not go with those before.
         let stretch = flown.doubt.map(|doubt| doubt.stretch);
         if let Some(stretch) = stretch.filter(|stretch| *stretch != self.stretch) {
@@ -88,8 +88,8 @@ impl Steadier {
         if !frame.revolution.is_empty() {
             let junction = &frame.junction;
             let since = now.since(self.before.count.replace(now));
-            let (answer, confidence) = (count(junction, openings), junction.confidence.unwrap_or(0.0));
-            let tracks = self.follow(openings, yaw_rad);
+            let (answer, confidence) = (count(junction, known), junction.confidence.unwrap_or(0.0));
+            let tracks = self.follow(known, yaw_rad);
             self.junctions.add(Answered { answer, confidence, since });
             if self.junctions.holds() == Some(answer) {
                 self.shown.clone_from(&tracks);
@@ -100,7 +100,7 @@ impl Steadier {
                 self.place.add(Answered { answer, confidence: here.confidence, since });
                 if self.place.holds() == Some(answer) {
                     let track_of = |index| {
-                        let at = openings.iter().position(|opening| opening.index == Some(index));
+                        let at = known.iter().position(|opening| opening.index == Some(index));
                         at.map(|at| tracks[at])
                     };
                     let of_ways = here.ways.iter().map(|way| way.opening.and_then(track_of)).collect();
@@ -114,7 +114,10 @@ impl Steadier {
         let junctions = self.junctions.holds()?;
         let openings = self.openings(yaw_rad);
         let here = self.place(&openings, yaw_rad, now.since(self.before.place));
-        Some(Steady { junctions, here, openings })
+        let is_known = |index: usize| known.iter().any(|opening| opening.index == Some(index));
+        let closed = frame.junction.openings.iter().enumerate().filter(|(index, _)| !is_known(*index));
+        let closed_rad = closed.map(|(_, opening)| opening.bearing_rad).collect();
+        Some(Steady { junctions, here, openings, closed_rad })
     }
 
     /// The track of each opening. The nearest in bearing are joined first.
@@ -148,7 +151,10 @@ impl Steadier {
                 bearing_rad: direction_rad(opening),
                 width_m: opening.width_m,
                 p: opening.p,
-                seen_ns: opening.seen_ns.or(before.and_then(|before| before.seen_ns)),
+                // Of a gap that neither this scan nor the cells see through, nothing is carried on: what was seen may lie elsewhere.
+                seen_ns: opening
+                    .seen_ns
+                    .map(|seen_ns| before.and_then(|before| before.seen_ns).unwrap_or(0).max(seen_ns)),
             }
         };
         let seen: Vec<SteadyOpening> = track_of.iter().copied().zip(openings).map(followed).collect();

@@ -93,7 +93,8 @@ fn flown(stretches: &[(f64, HereKind)], look_m: f64, place_m: impl Fn(f64) -> [f
         while 0.2 * f64::from(step) < to_m {
             let [x_m, y_m] = place_m(0.2 * f64::from(step));
             let pose = Isometry2::translation(x_m, y_m);
-            let steady = Steady { junctions: 2, here: Some(here.clone()), openings: Vec::new() };
+            let steady =
+                Steady { junctions: 2, here: Some(here.clone()), openings: Vec::new(), closed_rad: Vec::new() };
             let revolution = Revolution { stamp_ns: 100_000_000 * u64::from(step as u32), ..Revolution::default() };
             let mut frame = Frame { revolution, ..Frame::default() };
             FlightAnswer { pose: Some(pose), doubt: None, here: Some(here.clone()), steady: Some(steady) }

@@ -24,7 +24,7 @@ pub(crate) fn fly(frame: &mut Frame) {
     let opening =
         |track: u64, seen_ns| SteadyOpening { track, bearing_rad: track as f64, width_m: 3.5, p: Some(0.6), seen_ns };
     let openings = vec![opening(0, None), opening(1, Some(frame.revolution.stamp_ns))];
-    let steady = Some(Steady { junctions: 3, here: Some(here.clone()), openings });
+    let steady = Some(Steady { junctions: 3, here: Some(here.clone()), openings, closed_rad: vec![0.5] });
     FlightAnswer { pose, doubt: None, here: Some(here), steady }.put(frame);
 }
 
