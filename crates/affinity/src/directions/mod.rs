@@ -142,9 +142,14 @@ impl Sky {
         self.measure(width_m);
     }
 
+    /// The vertical axis in the frame of the lidar.
+    fn up(&self) -> Vector3<f64> {
+        self.tilt.inverse_transform_vector(&Vector3::z())
+    }
+
     fn measure(&mut self, width_m: f64) {
         self.radius_m = 0.5 * width_m;
-        self.room_m = reach::room_m(&self.sphere, &self.sight);
+        self.room_m = reach::room_m(&self.sphere, &self.sight, &self.up());
         reach::reach_m(&self.sphere, &self.sight, self.radius_m, &mut self.reach_m);
     }
 
@@ -153,9 +158,8 @@ impl Sky {
         if !self.room_m.is_finite() {
             return Vec::new();
         }
-        let up = self.tilt.inverse_transform_vector(&Vector3::z());
         let mut found = ways::find(&self.sphere, &self.sight, &self.reach_m, self.room_m, self.is_doubtful());
-        let slopes_rad = slope::slopes_rad(&self.sphere, &self.sight, &self.reach_m, self.room_m, &up, &found);
+        let slopes_rad = slope::slopes_rad(&self.sphere, &self.sight, &self.reach_m, self.room_m, &self.up(), &found);
         for (Found { way, .. }, slope_rad) in found.iter_mut().zip(slopes_rad) {
             way.direction = self.leveled(way.direction);
             way.slope_rad = slope_rad.unwrap_or_else(|| way.elevation_rad());

@@ -41,15 +41,15 @@ pub(super) fn clear_m(sight: &Sight, place_m: &Vector3<f64>) -> f64 {
 
 /// The radius of the largest ball that holds the sensor and no return, and whose centre is in view and no farther aside than the
 /// nearest return: near the ground the ball rises to the middle of the place, and does not roll along. The centre is no farther
-/// away at all where nothing is seen beyond, or, in a level sweep, nothing above and below.
-pub(super) fn room_m(sphere: &Sphere, sight: &Sight) -> f64 {
+/// away at all where nothing is seen beyond, or, in a level sweep, nothing above and below. `up` is the vertical axis.
+pub(super) fn room_m(sphere: &Sphere, sight: &Sight, up: &Vector3<f64>) -> f64 {
     let here_m = clear_m(sight, &Vector3::zeros());
     if !here_m.is_finite() {
         return here_m;
     }
     let is_level = sphere.rings().len() == 1;
     let is_in_view = |place_m: &Vector3<f64>, range_m: f64| match sight.seen[sphere.cell(place_m, range_m)] {
-        Seen::Return(point_m) if !is_level => range_m <= point_m.norm() && place_m.xy().norm() <= here_m,
+        Seen::Return(point_m) if !is_level => range_m <= point_m.norm() && place_m.cross(up).norm() <= here_m,
         Seen::Unknown => false,
         _ => range_m <= here_m,
     };
@@ -63,10 +63,10 @@ pub(super) fn room_m(sphere: &Sphere, sight: &Sight) -> f64 {
             (if room_m >= range_m { room_m } else { 0.0 }, moved_m)
         });
         let Some((room_m, moved_m)) = tried.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)) else { break };
+        // Far from the nearest return steps are longer, so that few reach the middle of any place.
+        step_m *= if room_m > best_m { 2.0 } else { 0.5 };
         if room_m > best_m {
             (best_m, place_m) = (room_m, moved_m);
-        } else {
-            step_m *= 0.5;
         }
     }
     best_m

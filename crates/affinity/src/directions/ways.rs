@@ -1,7 +1,5 @@
 //! Ways on: the components of the directions in which the vehicle gets as far as they stay apart.
 
-use std::f64::consts::PI;
-
 use crosscut_stage::{Between, DisjointSets, Evidence, Way};
 use nalgebra::Vector3;
 
@@ -25,11 +23,9 @@ const CUT_SHARE: [f64; 2] = [0.95, 0.87];
 /// See [`CUT_SHARE`].
 const KNOWN_SHARE: f64 = 0.75;
 
-/// The mean of the unit vectors to the cells of one way, weighted by the room there, is at least as long: an arc of less than
-/// half a turn. What is wider, as in a place that is wide for its height, may be several ways: then the odds are these.
+/// The mean of the unit vectors to the cells of one way is at least as long: an arc of less than half a turn (165°), or a cap of less
+/// than 30 % of all directions. What is wider, as in a place that is wide for its height, may be several ways: then the odds are these.
 const ONE_WAY: f64 = 0.7;
-/// So may one be that takes up a larger share of all directions.
-const WIDE_SHARE: f64 = 0.3;
 const WIDE_ODDS: f64 = 0.3;
 /// And where something is seen nearer than this many radii of the vehicle: it is rather a part of the vehicle, and the room is its own.
 pub(super) const OWN_RADII: f64 = 1.25;
@@ -123,19 +119,18 @@ fn known_of(sphere: &Sphere, sight: &Sight, reach_m: &[f64], room_m: f64, cells:
     let at_m = 0.5 * (APART + ON) * room_m;
     // Infinite where nothing is seen at all.
     let clear_m = |cell: usize| clear_m(sight, &sphere.directions[cell].scale(at_m)).min(at_m);
-    let (mut largest_m, mut sum, mut weights) = (0.0_f64, Vector3::zeros(), 0.0);
+    let (mut largest_m, mut sum, mut by_room) = (0.0_f64, Vector3::zeros(), Vector3::zeros());
     for (clear_m, direction) in cells().map(|cell| (clear_m(cell), sphere.directions[cell].into_inner())) {
         largest_m = largest_m.max(clear_m);
-        sum += direction * (clear_m * clear_m);
-        weights += clear_m * clear_m;
+        sum += direction;
+        by_room += direction * (clear_m * clear_m);
     }
     let nothing = cells().filter(|cell| sight.seen[*cell] == Seen::Nothing).count();
     let is_beside_unknown =
         |cell: usize| sphere.neighbours[cell].iter().any(|other| sight.seen[*other as usize] == Seen::Unknown);
     let is_cut = cells().any(is_beside_unknown);
-    let is_large = cells().count() as f64 * sphere.step_rad().powi(2) > WIDE_SHARE * 4.0 * PI;
-    let is_wide = is_large || sum.norm() < ONE_WAY * weights;
-    let middle = sum.try_normalize(0.0).filter(|middle| cells().any(|cell| cell == sphere.cell(middle, 1.0)));
+    let is_wide = sum.norm() < ONE_WAY * cells().count() as f64;
+    let middle = by_room.try_normalize(0.0).filter(|middle| cells().any(|cell| cell == sphere.cell(middle, 1.0)));
     // That all around is not open in its middle.
     let farthest = cells().max_by(|a, b| reach_m[*a].total_cmp(&reach_m[*b]).then(b.cmp(a)));
     let of_farthest = farthest.map(|cell| sphere.directions[cell].into_inner());

@@ -1,5 +1,7 @@
 //! Preset `3d`: ways on of clouds, and of level scans, which have as many as walls.
 
+use std::f64::consts::FRAC_PI_2;
+
 use crosscut_detector::{Detector, Preset, Settings};
 use crosscut_messages::Cloud;
 use crosscut_simulator::{Split, suites};
@@ -43,6 +45,15 @@ fn answer(preset: Preset, cloud: &Cloud) -> Frame {
     assert_eq!(frame.affinity.dual.is_some(), preset == Preset::ThreeD);
     assert_eq!(frame.revolution.cloud_m.is_empty(), preset != Preset::ThreeD, "a cloud is kept where it is wanted");
     frame.clone()
+}
+
+/// The answer with preset `3d` for a cloud that was turned level.
+fn answer_tilted(cloud: &Cloud, tilt: UnitQuaternion<f64>) -> Frame {
+    let write = |sensor: &crosscut_sensor::Sensor, frame: &mut Frame| {
+        sensor.cloud(cloud, &mut frame.revolution, &mut frame.notes);
+        frame.revolution.cloud_tilt = tilt;
+    };
+    detector(Preset::ThreeD).detect_with(write).expect("a cloud").clone()
 }
 
 fn kinds(junction: &Junction) -> Vec<WayKind> {
@@ -117,27 +128,26 @@ fn kinds_go_by_the_slope_of_ways_wherever_the_sensor_stands() {
 
 #[test]
 fn near_the_ground_the_room_is_that_of_the_place() {
-    for half_m in [2.0, 4.0, 7.0] {
-        let frame = answer(Preset::ThreeD, &low_in_a_gallery(half_m, 90.0, 0.0));
+    for (half_m, roll_rad) in [(2.0, 0.0), (4.0, 0.0), (7.0, 0.0), (4.0, FRAC_PI_2)] {
+        let tilt = UnitQuaternion::from_euler_angles(roll_rad, 0.0, 0.0);
+        let frame = answer_tilted(&low_in_a_gallery(half_m, 90.0, 0.0), tilt);
         let room_m = frame.affinity.dual.as_ref().expect("directions").room_m;
-        assert!((room_m / half_m - 1.0).abs() < 0.1, "{room_m} of {half_m}");
+        assert!((room_m / half_m - 1.0).abs() < 0.1, "{room_m} of {half_m}, rolled by {roll_rad}");
         assert_eq!(kinds(&frame.junction), [WayKind::Level; 2], "{half_m}: {:#?}", frame.junction.ways);
     }
-    // Below open sky a ball rises no farther than the sensor is above the ground.
+    // Below open sky a ball rises no farther than the sensor is above the ground; below what is very far, in few steps.
     let ground = (0..10_000).map(|at| [0.2 * f64::from(at % 100) - 10.0, 0.2 * f64::from(at / 100) - 10.0, -0.8]);
-    assert!(answer_of_any(&Cloud { points_m: ground.collect(), ..Cloud::default() }).ways.is_some());
+    let far = ground.clone().map(|[x, y, _]| [x, y, 5.0].map(|along| 1e9 * along));
+    for points_m in [ground.clone().collect(), ground.chain(far).collect()] {
+        assert!(answer_of_any(&Cloud { points_m, ..Cloud::default() }).ways.is_some());
+    }
 }
 
 #[test]
 fn a_tilted_band_of_elevations_leaves_nothing_open_beside_it() {
     let tilt = UnitQuaternion::from_euler_angles(0.25, 0.1, 0.0);
     let cloud = seen_tilted([-15.0, 15.0], &tilt);
-    let mut detector = detector(Preset::ThreeD);
-    let write = |sensor: &crosscut_sensor::Sensor, frame: &mut crosscut_stage::Frame| {
-        sensor.cloud(&cloud, &mut frame.revolution, &mut frame.notes);
-        frame.revolution.cloud_tilt = tilt;
-    };
-    let frame = detector.detect_with(write).expect("a cloud");
+    let frame = answer_tilted(&cloud, tilt);
     assert_eq!(kinds(&frame.junction), [WayKind::Level; 2], "{:#?}", frame.junction.ways);
     let [low_rad, high_rad] = frame.affinity.dual.as_ref().expect("directions").view_rad;
     assert!(low_rad < -0.4 && high_rad > 0.4, "{low_rad} to {high_rad}");
