@@ -28,7 +28,7 @@ impl Explanation {
             let nearest = frame.affinity.dual.as_ref().and_then(|dual| ways::nearest(ways, dual, color_of));
             let room =
                 frame.affinity.dual.as_ref().filter(|dual| dual.room_m > 0.0).map(|dual| {
-                    format!("R is {:.1} m: the radius of the largest ball around the sensor.", dual.room_m)
+                    format!("R is {:.1} m: the radius of the largest ball that holds the sensor.", dual.room_m)
                 });
             let reason = room.into_iter().chain(least).chain(nearest).collect::<Vec<_>>().join(" ");
             let walls = if frame.revolution.is_empty() { "no wall." } else { &title };

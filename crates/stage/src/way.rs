@@ -25,7 +25,7 @@ pub struct Dual {
     pub between: Vec<Between>,
     /// The lowest and the highest elevation that the sensor looks at, in [-π/2, π/2].
     pub view_rad: [f64; 2],
-    /// R, the radius of the largest ball around the sensor, metres; 0 where nothing is seen.
+    /// R, the radius of the largest ball that holds the sensor, metres; 0 where nothing is seen.
     pub room_m: f64,
     /// The distance at which the directions were cut, metres.
     pub cut_m: f64,

@@ -79,7 +79,7 @@ pub struct Sky {
     made_for: usize,
     sight: Sight,
     reach_m: Vec<f64>,
-    /// The radius of the largest ball around the sensor, metres.
+    /// R, the radius of the largest ball that holds the sensor, metres.
     pub room_m: f64,
     /// The radius of the vehicle, metres.
     radius_m: f64,
