@@ -230,8 +230,8 @@ impl AffinityStage for Directions {
             notes.add(
                 N106,
                 format!(
-                    "directions: something is {near_m:.2} m from the sensor, as parts of the vehicle are, so no way is sure; if it is one, \
-                     --set ingest.min_range_m={least_m} leaves it out"
+                    "directions: something is {near_m:.2} m from the sensor, as parts of the vehicle are, so no way is sure; if it is one, and \
+                     not the ground, --set ingest.min_range_m={least_m} leaves it out"
                 ),
             );
         }
