@@ -386,8 +386,9 @@ fn ways_say_in_metres_what_parts_them_by_the_numbers_of_the_report() {
     let [title, reason] = Explanation::of(&frame).sentence(&frame, &|_| "red");
     assert_eq!(title, "2 ways on. Level view: no wall.");
     assert!(
-        reason.starts_with("R is 1.9 m: the radius of the largest ball that holds the sensor. The least sure is level at")
-            && reason.ends_with(parted),
+        reason.starts_with(
+            "R is 1.9 m: the radius of the largest ball that holds the sensor. The least sure is level at"
+        ) && reason.ends_with(parted),
         "{reason}"
     );
 }
