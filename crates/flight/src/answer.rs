@@ -155,6 +155,7 @@ pub struct SteadyOpening {
     /// The odds that a vehicle can pass, as a probability, of the revolution that saw it last; `None` where too little was seen, and
     /// where that revolution sees a wall go on and an earlier one saw through.
     pub p: Option<f64>,
-    /// The stamp of the last revolution that saw through; `None` if none did: a hidden wall may close it.
+    /// The stamp of the last revolution that saw through; `None` where neither this one nor what was seen around tells: a hidden wall may
+    /// close it.
     pub seen_ns: Option<u64>,
 }
