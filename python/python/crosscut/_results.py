@@ -79,7 +79,7 @@ class FollowedOpening(NamedTuple):
     p: float | None
     """The odds that a vehicle can pass, as a probability, of the scan that saw it last; ``None`` where too little was seen."""
     seen_ns: int | None
-    """The last scan whose beams passed through; ``None`` where neither this scan nor what was seen around tells: a hidden wall may close it."""
+    """The last scan that saw through; ``None`` where neither this scan nor what was seen around tells: a hidden wall may close it."""
 
 
 class Steady(NamedTuple):
