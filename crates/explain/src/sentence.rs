@@ -25,8 +25,9 @@ impl Explanation {
         if let Some(ways) = &frame.junction.ways {
             let least = ways.iter().filter(|way| way.p < SURE).min_by(|a, b| a.p.total_cmp(&b.p));
             let least = least.map(|way| format!("The least sure is {}, p = {:.2}.", way.words(), way.p));
-            let nearest = frame.affinity.dual.as_ref().and_then(|dual| ways::nearest(ways, dual, color_of));
-            let room = frame.affinity.dual.as_ref().filter(|dual| dual.room_m > 0.0).map(|dual| {
+            let dual = frame.affinity.dual.as_ref();
+            let nearest = dual.and_then(|dual| ways::nearest(ways, dual, color_of));
+            let room = dual.filter(|dual| dual.room_m > 0.0).map(|dual| {
                 format!("R is {:.1} m: the radius of the largest ball that holds the sensor.", dual.room_m)
             });
             let reason = room.into_iter().chain(least).chain(nearest).collect::<Vec<_>>().join(" ");

@@ -122,9 +122,10 @@ impl Steady {
         let openings: Vec<String> = self.openings.iter().map(|opening| opening.words(now_ns)).collect();
         let listed = if openings.is_empty() { "none".to_owned() } else { openings.join("; ") };
         let closed: Vec<String> = self.closed_rad.iter().map(|bearing_rad| degrees_words(*bearing_rad)).collect();
-        let closed = match closed.is_empty() {
-            true => String::new(),
-            false => format!(" Closed, as seen before: at {}.", closed.join(", ")),
+        let closed = if closed.is_empty() {
+            String::new()
+        } else {
+            format!(" Closed, as seen before: at {}.", closed.join(", "))
         };
         format!("{}. Openings: {listed}.{closed}", counted(self.junctions as u64, "wall"))
     }

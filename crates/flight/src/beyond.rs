@@ -221,7 +221,9 @@ impl Beyond {
             let Some([x, y]) = scene.square(&from_m.lerp(to_m, step as f64 / steps)) else {
                 return (through == Through::NoWall).then_some(0);
             };
-            self.come(scene, gap, through, [x, y], || true);
+            if self.comes_to([x, y]) {
+                self.open_if_fits(scene, gap, through, [x, y]);
+            }
         }
         while let Some((square, off_m)) = self.open.pop() {
             let square = square as usize;
@@ -236,8 +238,10 @@ impl Beyond {
                 if let Some((x, y)) = x.checked_add_signed(right).zip(y.checked_add_signed(up))
                     && x < SQUARES
                     && y < SQUARES
+                    && self.comes_to([x, y])
+                    && gap.is_beyond(&scene.middle_m(x, y), scene.rays)
                 {
-                    self.come(scene, gap, through, [x, y], || gap.is_beyond(&scene.middle_m(x, y), scene.rays));
+                    self.open_if_fits(scene, gap, through, [x, y]);
                 }
             }
             self.open[first..].sort_unstable_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
@@ -245,21 +249,15 @@ impl Beyond {
         None
     }
 
-    /// Comes to a square for the first time in this walk, if it lies beyond the gap and the disc fits there.
-    fn come(
-        &mut self,
-        scene: &Scene<'_>,
-        gap: &Gap,
-        through: Through,
-        [x, y]: [usize; 2],
-        is_beyond: impl FnOnce() -> bool,
-    ) {
-        let square = y * SQUARES + x;
-        if std::mem::replace(&mut self.came[square], self.walks) != self.walks
-            && self.fits(scene.around, [x, y], through)
-            && is_beyond()
-        {
-            self.open.push((square as u32, gap.off_m(&scene.middle_m(x, y))));
+    /// Whether this walk comes to a square for the first time.
+    fn comes_to(&mut self, [x, y]: [usize; 2]) -> bool {
+        std::mem::replace(&mut self.came[y * SQUARES + x], self.walks) != self.walks
+    }
+
+    /// The walk may go on from a square, if the disc fits there.
+    fn open_if_fits(&mut self, scene: &Scene<'_>, gap: &Gap, through: Through, [x, y]: [usize; 2]) {
+        if self.fits(scene.around, [x, y], through) {
+            self.open.push(((y * SQUARES + x) as u32, gap.off_m(&scene.middle_m(x, y))));
         }
     }
 

@@ -152,9 +152,7 @@ impl Steadier {
                 width_m: opening.width_m,
                 p: opening.p,
                 // Of a gap that neither this scan nor the cells see through, nothing is carried on: what was seen may lie elsewhere.
-                seen_ns: opening
-                    .seen_ns
-                    .map(|seen_ns| before.and_then(|before| before.seen_ns).unwrap_or(0).max(seen_ns)),
+                seen_ns: opening.seen_ns.and(opening.seen_ns.max(before.and_then(|before| before.seen_ns))),
             }
         };
         let seen: Vec<SteadyOpening> = track_of.iter().copied().zip(openings).map(followed).collect();

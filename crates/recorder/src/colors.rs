@@ -97,8 +97,10 @@ pub(crate) const PLACES: [(&str, u32); 8] = [
     ("partial_view", 0x8F6B_E8FF),
 ];
 
+/// What is unsure, or judged and not seen.
+pub(crate) const UNSURE: u32 = 0xD6C7_13FF;
 /// Colours of both `wrong` and `unsure`, of either, and of neither.
-pub(crate) const DOUBTS: [u32; 4] = [0xE07B_1FFF, 0xD32F_2FFF, 0xD6C7_13FF, 0x4A4A_4AFF];
+pub(crate) const DOUBTS: [u32; 4] = [0xE07B_1FFF, 0xD32F_2FFF, UNSURE, 0x4A4A_4AFF];
 
 /// A colour given as 0xRRGGBBAA.
 pub(crate) fn color(rgba: u32) -> Color {

@@ -9,7 +9,7 @@ use rerun::{
     StateChange, StateConfiguration, TextDocument, TextLog, TextLogLevel,
 };
 
-use crate::colors::{DOUBTS, GREY, OPENING, REPORTED, VEHICLE, WORDS, color};
+use crate::colors::{GREY, OPENING, REPORTED, UNSURE, VEHICLE, WORDS, color};
 use crate::rows::Rows;
 use crate::scan::step_m;
 use crate::schema::{
@@ -72,8 +72,7 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     rec.log_static(FLIGHT_SCALE.path, &line(WORDS, 1.5))?;
     rec.log_static(FLIGHT_PATH.path, &line(GREY, 0.7))?;
     rec.log_static(FLIGHT_PASSAGES.path, &line(PASSAGE, 2.0))?;
-    let [_, _, unsure, _] = DOUBTS;
-    let beads = Points2D::update_fields().with_colors([color(unsure)]).with_radii([ui(3.0)]);
+    let beads = Points2D::update_fields().with_colors([color(UNSURE)]).with_radii([ui(3.0)]);
     rec.log_static(FLIGHT_UNSURE.path, &beads)?;
     let points = Points2D::update_fields().with_colors([color(WORDS)]).with_radii([ui(1.5)]);
     rec.log_static(FLIGHT_WALLS.path, &points)?;

@@ -8,7 +8,7 @@ use rerun::{
     Scalars,
 };
 
-use crate::colors::{DOUBTS, GREY, GRID, OPENING, color, series};
+use crate::colors::{GREY, GRID, OPENING, UNSURE, color, series};
 use crate::polyline::simplified;
 use crate::rows::Rows;
 use crate::schema::{
@@ -116,11 +116,10 @@ fn log_openings(rows: &mut Rows, openings: &[Opening], steady: &[SteadyOpening],
     };
     let width = |o: &Opening| format!("{}{:.1} m", if o.is_cut_by_view() { "≥ " } else { "" }, o.width_m);
     let widths = Points3D::new(openings.iter().map(beyond)).with_labels(openings.iter().map(width));
-    let [_, _, unsure, _] = DOUBTS;
     let of_scan = openings.iter().map(|o| (middle(o) - 0.25 * arrow_m(o), arrow_m(o), OPENING));
     let of_flight = steady.iter().map(|o| {
         let vector_m = (ARROW * reach_m * unit(o.bearing_rad)).push(0.0);
-        (Point::origin(), vector_m, if o.seen_ns.is_some() { OPENING } else { unsure })
+        (Point::origin(), vector_m, if o.seen_ns.is_some() { OPENING } else { UNSURE })
     });
     let (origins, (vectors, colors)): (Vec<_>, (Vec<_>, Vec<_>)) = of_scan
         .chain(of_flight)

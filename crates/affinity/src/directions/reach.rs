@@ -63,10 +63,11 @@ pub(super) fn room_m(sphere: &Sphere, sight: &Sight, up: &Vector3<f64>) -> f64 {
             (if room_m >= range_m { room_m } else { 0.0 }, moved_m)
         });
         let Some((room_m, moved_m)) = tried.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)) else { break };
-        // Far from the nearest return steps are longer, so that few reach the middle of any place.
-        step_m *= if room_m > best_m { 2.0 } else { 0.5 };
         if room_m > best_m {
-            (best_m, place_m) = (room_m, moved_m);
+            // Far from the nearest return steps are longer, so that few reach the middle of any place.
+            (best_m, place_m, step_m) = (room_m, moved_m, 2.0 * step_m);
+        } else {
+            step_m *= 0.5;
         }
     }
     best_m

@@ -38,22 +38,19 @@ fn seen_tilted(view_deg: [f64; 2], tilt: &UnitQuaternion<f64>) -> Cloud {
 }
 
 fn answer(preset: Preset, cloud: &Cloud) -> Frame {
-    let mut detector = detector(preset);
-    let frame = detector
-        .detect_with(|sensor, frame| sensor.cloud(cloud, &mut frame.revolution, &mut frame.notes))
-        .expect("a cloud");
+    let frame = answer_tilted(preset, cloud, UnitQuaternion::default());
     assert_eq!(frame.affinity.dual.is_some(), preset == Preset::ThreeD);
     assert_eq!(frame.revolution.cloud_m.is_empty(), preset != Preset::ThreeD, "a cloud is kept where it is wanted");
-    frame.clone()
+    frame
 }
 
-/// The answer with preset `3d` for a cloud that was turned level.
-fn answer_tilted(cloud: &Cloud, tilt: UnitQuaternion<f64>) -> Frame {
+/// The answer for a cloud that was turned level.
+fn answer_tilted(preset: Preset, cloud: &Cloud, tilt: UnitQuaternion<f64>) -> Frame {
     let write = |sensor: &crosscut_sensor::Sensor, frame: &mut Frame| {
         sensor.cloud(cloud, &mut frame.revolution, &mut frame.notes);
         frame.revolution.cloud_tilt = tilt;
     };
-    detector(Preset::ThreeD).detect_with(write).expect("a cloud").clone()
+    detector(preset).detect_with(write).expect("a cloud").clone()
 }
 
 fn kinds(junction: &Junction) -> Vec<WayKind> {
@@ -130,7 +127,7 @@ fn kinds_go_by_the_slope_of_ways_wherever_the_sensor_stands() {
 fn near_the_ground_the_room_is_that_of_the_place() {
     for (half_m, roll_rad) in [(2.0, 0.0), (4.0, 0.0), (7.0, 0.0), (4.0, FRAC_PI_2)] {
         let tilt = UnitQuaternion::from_euler_angles(roll_rad, 0.0, 0.0);
-        let frame = answer_tilted(&low_in_a_gallery(half_m, 90.0, 0.0), tilt);
+        let frame = answer_tilted(Preset::ThreeD, &low_in_a_gallery(half_m, 90.0, 0.0), tilt);
         let room_m = frame.affinity.dual.as_ref().expect("directions").room_m;
         assert!((room_m / half_m - 1.0).abs() < 0.1, "{room_m} of {half_m}, rolled by {roll_rad}");
         assert_eq!(kinds(&frame.junction), [WayKind::Level; 2], "{half_m}: {:#?}", frame.junction.ways);
@@ -147,7 +144,7 @@ fn near_the_ground_the_room_is_that_of_the_place() {
 fn a_tilted_band_of_elevations_leaves_nothing_open_beside_it() {
     let tilt = UnitQuaternion::from_euler_angles(0.25, 0.1, 0.0);
     let cloud = seen_tilted([-15.0, 15.0], &tilt);
-    let frame = answer_tilted(&cloud, tilt);
+    let frame = answer_tilted(Preset::ThreeD, &cloud, tilt);
     assert_eq!(kinds(&frame.junction), [WayKind::Level; 2], "{:#?}", frame.junction.ways);
     let [low_rad, high_rad] = frame.affinity.dual.as_ref().expect("directions").view_rad;
     assert!(low_rad < -0.4 && high_rad > 0.4, "{low_rad} to {high_rad}");
