@@ -64,10 +64,13 @@ impl Flight {
         let of_rays = rays.as_ref().zip(seen).map(|(rays, (around, pose))| (rays, around, pose));
         let openings = self.beyond.openings(junction, revolution.stamp_ns, of_rays);
         let sweep = revolution.beams().zip(rays);
-        let here = sweep.and_then(|(sweep, rays)| self.places.here(sweep, junction, rays, seen));
+        let here = sweep.and_then(|(sweep, rays)| self.places.here(sweep, junction, &openings, rays, seen));
         let (pose, doubt) = (tracked.map(|tracked| tracked.pose), tracked.map(|tracked| tracked.doubt));
         let mut answer = FlightAnswer { pose, doubt, here, steady: None };
         answer.steady = self.steadier.add(frame, &answer, &openings);
+        for way in answer.here.iter_mut().flat_map(|here| &mut here.ways) {
+            way.opening = way.opening.and_then(|at| openings[at].index);
+        }
         answer.put(frame);
     }
 }

@@ -14,7 +14,7 @@
 //! - The **local width** w is the shortest free line through the sensor. Beams without a return between two returns of
 //!   one wall end at the straight line from the one to the other: wet rock is no mouth.
 //! - A **mouth** is a run of beams that leave the circle, there at least as wide as the vehicle and a quarter of the local
-//!   width. Some beam reaches 5 % farther, or an opening lies behind it. A passage that is seen to end has a mouth, too.
+//!   width. Some beam reaches 10 % farther, or an opening lies behind it. A passage that is seen to end has a mouth, too.
 //! - **Ways** are the openings behind mouths, one for each mouth: the one with the nearest edge.
 //! - Where a limited view does not look, what earlier scans saw there counts ([`Surroundings`]). What was never seen and is
 //!   wider than a mouth is a way, with half the confidence, if the walls on both sides of it run on side by side, and the
@@ -25,7 +25,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use crosscut_stage::{Junction, Number, Opening, ParamSpec, Params, Sweep, widest_run, wrap_angle_rad};
+use crosscut_stage::{Junction, Number, ParamSpec, Params, Sweep, widest_run, wrap_angle_rad};
 use nalgebra::{Isometry2, Vector2};
 
 use crate::{Here, HereKind, Way};
@@ -42,6 +42,7 @@ const LEAST_LOOK_WIDTHS: f64 = 2.5;
 /// The look is never longer, so that in a hall it stays where walls have enough returns.
 const FARTHEST_LOOK_M: f64 = 12.0;
 
+use crate::beyond::KnownOpening;
 use crate::rays::{Ray, RayEnd, Rays};
 use crate::surroundings::{REACH_M, Surroundings};
 
@@ -61,7 +62,7 @@ const MIDDLE_LOOKS: f64 = 0.6;
 const LEAST_MOUTH_WIDTHS: f64 = 0.25;
 
 /// Behind a mouth without an opening some beam reaches this many times the radius of the circle.
-const LEAST_REACH: f64 = 1.05;
+const LEAST_REACH: f64 = 1.1;
 
 /// Rock between two mouths that is narrower than this on the circle does not part them.
 const LEAST_ROCK_M: f64 = 0.3;
@@ -101,6 +102,7 @@ impl Places {
         &self,
         sweep: &Sweep,
         junction: &Junction,
+        known: &[KnownOpening],
         mut rays: Rays,
         seen: Option<(&Surroundings, &Isometry2<f64>)>,
     ) -> Option<Here> {
@@ -121,7 +123,7 @@ impl Places {
             (0.5 * width_m + (self.look_widths - 0.5) * passage_m).max(LEAST_LOOK_WIDTHS * self.vehicle_width_m);
         let look_m = wanted_m.min(farthest_look_m);
         let [place, shorter, longer] =
-            LOOKS.map(|times| rays.place(times * look_m, width_m, self.vehicle_width_m, &junction.openings));
+            LOOKS.map(|times| rays.place(times * look_m, width_m, self.vehicle_width_m, known));
         let LookResult { kind, ways, is_seen } = place?;
         let is_alike = |other: &Option<LookResult>| {
             other.as_ref().is_some_and(|other| (other.kind, other.ways.len()) == (kind, ways.len()))
@@ -132,7 +134,7 @@ impl Places {
         // In a hall that is wider than the look any part is its middle; a limited view shows none, as what it sees behind is not
         // as sure as what lies ahead.
         let middle_m = (MIDDLE_LOOKS * self.look_widths * width_m).min(look_m);
-        let middle = rays.place(middle_m, width_m, self.vehicle_width_m, &junction.openings);
+        let middle = rays.place(middle_m, width_m, self.vehicle_width_m, known);
         let is_middle = view.full_turn && middle.is_some_and(|middle| middle.ways.len() == ways.len());
         Some(Here { kind, look_m, ways, is_middle, confidence })
     }
@@ -167,7 +169,7 @@ impl Rays {
     }
 
     /// The place within a circle; `None` if too much of the circle was never seen.
-    fn place(&self, look_m: f64, width_m: f64, vehicle_width_m: f64, openings: &[Opening]) -> Option<LookResult> {
+    fn place(&self, look_m: f64, width_m: f64, vehicle_width_m: f64, openings: &[KnownOpening]) -> Option<LookResult> {
         // In a narrow view no line through the sensor may be known: the width is then at least that of the circle.
         let least_m = vehicle_width_m.max(LEAST_MOUTH_WIDTHS * width_m.min(2.0 * look_m));
         let is_unseen = |ray: &Ray| ray.end == RayEnd::Unknown && ray.free_m <= look_m;
@@ -180,7 +182,7 @@ impl Rays {
         }
         let mut nearest: Vec<Option<(f64, usize)>> = vec![None; runs.len()];
         for (index, opening) in openings.iter().enumerate() {
-            let ends_m = opening.edge_m.map(|end_m| end_m.coords.xy());
+            let ends_m = opening.edge_m;
             let near_m = ends_m[0].norm().min(ends_m[1].norm());
             let far = ends_m.iter().filter(|end_m| end_m.norm() > look_m).map(|end_m| self.at(end_m.y.atan2(end_m.x)));
             let middle = self.at(opening.bearing_rad);

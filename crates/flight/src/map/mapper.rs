@@ -21,9 +21,8 @@ use crate::{FlightAnswer, HereKind, PoseGraph};
 pub struct Mapper {
     pub(super) log: Log,
     open: Option<OpenVisit>,
-    /// A visit that has ended at a place that was seen from its edge alone, until the vehicle is beyond it; and where
-    /// the vehicle left to.
-    seen_from_edge: Option<(OpenVisit, Isometry2<f64>)>,
+    /// A visit to a junction that has ended, until the vehicle is beyond what was seen of the place; and where it left to.
+    left: Option<(OpenVisit, Isometry2<f64>)>,
     way: Travelled,
     passed: Passed,
     guesses: Guesses,
@@ -72,15 +71,15 @@ impl Mapper {
         let mut follows = false;
         if let Some(open) = self.open.take_if(|open| open.has_ended(&now, node)) {
             follows = node == Some(open.kind());
-            if node.is_none() && open.is_known_at(&now) && open.kind() == HereKind::Junction && !open.has_middle() {
-                self.seen_from_edge = Some((open, pose));
+            if node.is_none() && open.is_known_at(&now) && open.kind() == HereKind::Junction {
+                self.left = Some((open, pose));
             } else {
                 self.end_visit(open, Some(pose));
             }
         }
         let is_behind =
             |(open, _): &mut (OpenVisit, _)| node.is_some() || !open.is_known_at(&now) || open.is_behind(&pose);
-        if let Some((open, left_to)) = self.seen_from_edge.take_if(is_behind) {
+        if let Some((open, left_to)) = self.left.take_if(is_behind) {
             self.end_visit(open, Some(left_to));
         }
         let Some(seen) = &flown.here else { return };
@@ -99,9 +98,9 @@ impl Mapper {
         Derived::of(&self.ended()).map
     }
 
-    /// Whether the vehicle is in a node, and has been there long enough for it to be believed.
+    /// Whether the vehicle is in a node, and a revolution by itself has seen that node.
     pub fn is_in_node(&self) -> bool {
-        self.open.as_ref().is_some_and(OpenVisit::is_believed)
+        self.open.as_ref().is_some_and(OpenVisit::is_seen)
     }
 
     /// Where the vehicle is on the map up to now; `None` before the first node. It compares the place with those that
@@ -138,7 +137,7 @@ impl Mapper {
     }
 
     fn end_visits(&mut self) {
-        if let Some((open, left_to)) = self.seen_from_edge.take() {
+        if let Some((open, left_to)) = self.left.take() {
             self.end_visit(open, Some(left_to));
         }
         if let Some(open) = self.open.take() {

@@ -68,10 +68,10 @@ impl Passed {
         (depth_m > towards.norm()).then_some(depth_m)
     }
 
-    /// Whether a junction that was seen from its edge alone is none: from where the vehicle passed them, of all of its ways but two
+    /// Whether a junction is none: from where the vehicle passed them, of all of its ways but two
     /// the end was in view within the look.
     pub(super) fn is_a_pocket(&self, visit: &Visit, width_m: Option<f64>) -> bool {
-        if visit.kind != HereKind::Junction || visit.has_middle {
+        if visit.kind != HereKind::Junction {
             return false;
         }
         let pocket_m = width_m.map_or(visit.look_m, |width_m| visit.look_m.min(POCKET_WIDTHS * width_m));

@@ -20,9 +20,6 @@ const SAME_VIEW_M: f64 = 0.05;
 /// Line points of an outline are no farther from the sensor than this many times the look.
 const OUTLINE_LOOKS: f64 = 2.0;
 
-/// A visit that is believed less than this, summed over its revolutions, is none: an alcove or a bay in passing.
-const LEAST_BELIEF: f64 = 4.0;
-
 /// The vehicle has left the middle of a place this far on.
 const LEFT_MIDDLE_M: f64 = 1.5;
 
@@ -93,7 +90,7 @@ pub(crate) struct OpenVisit {
 #[derive(Clone, Debug)]
 pub(crate) struct Visit {
     pub(crate) kind: HereKind,
-    /// The vehicle was in the middle of the place, for long enough to see it from there alone.
+    /// The vehicle was in the middle of the place.
     pub(crate) has_middle: bool,
     pub(crate) time_ns: [u64; 2],
     /// The pose that its ways and its outline are seen from.
@@ -199,15 +196,9 @@ impl OpenVisit {
         }
     }
 
-    /// Whether the stay counts as a visit.
-    pub(crate) fn is_believed(&self) -> bool {
-        self.samples.iter().map(|sample| sample.sure).sum::<f64>() >= LEAST_BELIEF
-    }
-
-    /// Whether the vehicle was in the middle of the place, for long enough to see it from there alone.
-    pub(crate) fn has_middle(&self) -> bool {
-        let in_middle = self.samples.iter().filter(|sample| sample.is_middle);
-        in_middle.map(|sample| sample.sure).sum::<f64>() >= LEAST_BELIEF
+    /// Whether a revolution by itself has seen the place: then the stay counts as a visit.
+    pub(crate) fn is_seen(&self) -> bool {
+        !self.samples.is_empty()
     }
 
     /// Whether what was seen of this place lies behind.
@@ -216,15 +207,12 @@ impl OpenVisit {
         self.samples.iter().all(|sample| off_m(sample) > sample.look_m)
     }
 
-    /// The stay as a whole, if it is believed. Of the numbers of ways that were seen the one with the most confidence
+    /// The stay as a whole, if it counts as a visit. Of the numbers of ways that were seen the one with the most confidence
     /// holds. The ways are those of the revolution nearest to the middle of the place that saw this number. `left_to`:
     /// where the vehicle is now, if it has left.
     pub(crate) fn end(mut self, left_to: Option<Isometry2<f64>>) -> Option<Visit> {
-        if !self.is_believed() {
-            return None;
-        }
         // From its middle a place is seen as it is; from its edge the next one may be seen with it.
-        let has_middle = self.has_middle();
+        let has_middle = self.samples.iter().any(|sample| sample.is_middle);
         self.samples.retain(|sample| sample.is_middle || !has_middle);
         let mut belief: BTreeMap<usize, f64> = BTreeMap::new();
         for sample in &self.samples {
