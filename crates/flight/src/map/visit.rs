@@ -20,6 +20,10 @@ const SAME_VIEW_M: f64 = 0.05;
 /// Line points of an outline are no farther from the sensor than this many times the look.
 const OUTLINE_LOOKS: f64 = 2.0;
 
+/// From parts of a place some of its ways are hidden: of the numbers of ways that are believed at least this many times as much as
+/// any other the largest holds.
+const ALSO_SEEN: f64 = 0.5;
+
 /// The vehicle has left the middle of a place this far on.
 const LEFT_MIDDLE_M: f64 = 1.5;
 
@@ -207,8 +211,8 @@ impl OpenVisit {
         self.samples.iter().all(|sample| off_m(sample) > sample.look_m)
     }
 
-    /// The stay as a whole, if it counts as a visit. Of the numbers of ways that were seen the one with the most confidence
-    /// holds. The ways are those of the revolution nearest to the middle of the place that saw this number. `left_to`:
+    /// The stay as a whole, if it counts as a visit. Of the numbers of ways that were seen with at least half of the confidence of
+    /// any other the largest holds. The ways are those of the revolution nearest to the middle of the place that saw this number. `left_to`:
     /// where the vehicle is now, if it has left.
     pub(crate) fn end(mut self, left_to: Option<Isometry2<f64>>) -> Option<Visit> {
         // From its middle a place is seen as it is; from its edge the next one may be seen with it.
@@ -218,7 +222,8 @@ impl OpenVisit {
         for sample in &self.samples {
             *belief.entry(sample.ways.len()).or_default() += sample.sure;
         }
-        let (&ways, &belief) = belief.iter().max_by(|a, b| a.1.total_cmp(b.1))?;
+        let most = belief.values().copied().fold(0.0, f64::max);
+        let (&ways, &belief) = belief.iter().rev().find(|(_, belief)| **belief >= ALSO_SEEN * most)?;
         let with = || self.samples.iter().filter(|sample| sample.ways.len() == ways);
         let count = with().count() as f64;
         let middle_m =
