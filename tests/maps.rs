@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::program::{Ran, run, shipped_flight};
+use crate::program::{Ran, root, run, shipped_flight};
 
 fn map(out: &Path) -> Ran {
     run([Path::new("run"), &shipped_flight(), Path::new("--map"), out])
@@ -60,4 +60,48 @@ fn an_empty_map_of_a_limited_view_says_why() {
     let args = [Path::new("run"), &recording, Path::new("--every"), Path::new("50"), Path::new("--map"), &out];
     let said = run(args).expect_code(0).stderr;
     assert!(said.contains("A place is known once the scans have seen all around it"), "{said}");
+}
+
+/// First and last second of each visit to a place, since the first scan.
+fn visits_s(node: &Value) -> impl Iterator<Item = [f64; 2]> {
+    let visits = node["visits"].as_array().into_iter().flatten();
+    let since_s = |ns: &Value| (ns.as_u64().expect("a stamp") - 1_700_000_000_000_000_000) as f64 * 1e-9;
+    visits.map(move |visit| [since_s(&visit[0]), since_s(&visit[1])])
+}
+
+#[test]
+fn the_map_of_real_corridors_keeps_the_junctions_that_are_passed() {
+    let data = root().join("../shared/data/gdc2");
+    let Ok(truth) = std::fs::read(data.join("gdc2.map.json")) else {
+        println!("skipped: {} is absent", data.display());
+        return;
+    };
+    let truth: Value = serde_json::from_slice(&truth).expect("JSON");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let out = folder.path().join("gdc2.json");
+    run([Path::new("run"), &data.join("gdc2.mcap"), Path::new("--map"), &out]).expect_code(0);
+    let map: Value = serde_json::from_slice(&std::fs::read(&out).expect("written")).expect("JSON");
+    let nodes = map["nodes"].as_array().expect("nodes");
+    let junctions: Vec<&Value> = nodes.iter().filter(|node| node["kind"] == "junction").collect();
+    let passed: Vec<(&Value, [f64; 2])> = truth["visits"]
+        .as_array()
+        .expect("visits")
+        .iter()
+        .map(|visit| {
+            let of = &truth["nodes"][visit["node"].as_u64().expect("a node") as usize];
+            (of, ["t_enter", "t_leave"].map(|at| visit[at].as_f64().expect("seconds")))
+        })
+        .filter(|(of, _)| of["kind"] == "junction")
+        .collect();
+    let meet = |[from, to]: [f64; 2], [begin, end]: [f64; 2]| from <= end + 1.0 && begin <= to + 1.0;
+    let ways = |node: &Value| node["ways"].as_array().map(|ways| ways.len() as u64);
+    let is_kept = |(of, at): &&(&Value, [f64; 2])| {
+        let is_at = |node: &&&Value| visits_s(node).any(|visit| meet(visit, *at));
+        junctions.iter().filter(is_at).any(|node| ways(node) == of["degree"].as_u64())
+    };
+    let kept = passed.iter().filter(is_kept).count();
+    assert!(passed.len() == 10 && kept >= 9, "{kept} of {} with the right number of ways", passed.len());
+    let is_false = |node: &&&Value| !visits_s(node).any(|visit| passed.iter().any(|(_, at)| meet(visit, *at)));
+    let added: Vec<_> = junctions.iter().filter(is_false).collect();
+    assert!(added.len() <= 2, "in 164 m: {added:?}");
 }

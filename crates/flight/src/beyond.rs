@@ -29,8 +29,6 @@ pub(crate) struct KnownOpening {
     pub(crate) index: Option<usize>,
     pub(crate) bearing_rad: f64,
     pub(crate) width_m: f64,
-    /// Its ends, clockwise first, metres in the frame of the scan.
-    pub(crate) edge_m: [Vector2<f64>; 2],
     /// The odds by the scan.
     pub(crate) p: Option<f64>,
     /// The stamp of the scan that saw through.
@@ -145,7 +143,6 @@ impl Beyond {
             index: Some(index),
             bearing_rad: opening.bearing_rad,
             width_m: opening.width_m,
-            edge_m: opening.edge_m.map(|end_m| end_m.coords.xy()),
             p: opening.p,
             seen_ns: (opening.known == Known::Seen).then_some(stamp_ns),
         });
@@ -153,7 +150,8 @@ impl Beyond {
         let Some((rays, around, pose)) = seen else { return openings };
         self.came.resize(SQUARES * SQUARES, 0);
         self.of_opening.resize(SQUARES * SQUARES, 0);
-        let gaps: Vec<Gap> = openings.iter().map(|KnownOpening { edge_m: [from_m, to_m], .. }| Gap { from_m: *from_m, to_m: *to_m }).collect();
+        let ends_m = junction.openings.iter().map(|opening| opening.edge_m.map(|end_m| end_m.coords.xy()));
+        let gaps: Vec<Gap> = ends_m.map(|[from_m, to_m]| Gap { from_m, to_m }).collect();
         let scene = Scene::new(rays, around, pose);
         openings.retain_mut(|opening| {
             let Some(index) = opening.index.filter(|_| opening.seen_ns.is_none()) else { return true };
@@ -191,7 +189,6 @@ impl Beyond {
                     index: None,
                     bearing_rad: middle_m.y.atan2(middle_m.x),
                     width_m: (to_m - from_m).norm(),
-                    edge_m: [from_m, to_m],
                     p: None,
                     seen_ns: seen_ns(around, square),
                 });

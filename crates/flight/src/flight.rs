@@ -68,9 +68,6 @@ impl Flight {
         let (pose, doubt) = (tracked.map(|tracked| tracked.pose), tracked.map(|tracked| tracked.doubt));
         let mut answer = FlightAnswer { pose, doubt, here, steady: None };
         answer.steady = self.steadier.add(frame, &answer, &openings);
-        for way in answer.here.iter_mut().flat_map(|here| &mut here.ways) {
-            way.opening = way.opening.and_then(|at| openings[at].index);
-        }
         answer.put(frame);
     }
 }

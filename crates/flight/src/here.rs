@@ -14,7 +14,8 @@
 //! - The **local width** w is the shortest free line through the sensor. Beams without a return between two returns of
 //!   one wall end at the straight line from the one to the other: wet rock is no mouth.
 //! - A **mouth** is a run of beams that leave the circle, there at least as wide as the vehicle and a quarter of the local
-//!   width. Some beam reaches 10 % farther, or an opening lies behind it. A passage that is seen to end has a mouth, too.
+//!   width. Some beam reaches 10 % farther, or an opening lies behind it that earlier scans did not see closed
+//!   ([`beyond`](crate::beyond)). A passage that is seen to end has a mouth, too.
 //! - **Ways** are the openings behind mouths, one for each mouth: the one with the nearest edge.
 //! - Where a limited view does not look, what earlier scans saw there counts ([`Surroundings`]). What was never seen and is
 //!   wider than a mouth is a way, with half the confidence, if the walls on both sides of it run on side by side, and the
@@ -25,7 +26,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use crosscut_stage::{Junction, Number, ParamSpec, Params, Sweep, widest_run, wrap_angle_rad};
+use crosscut_stage::{Junction, Number, Opening, ParamSpec, Params, Sweep, widest_run, wrap_angle_rad};
 use nalgebra::{Isometry2, Vector2};
 
 use crate::{Here, HereKind, Way};
@@ -96,8 +97,8 @@ impl Places {
         Self { look_widths: params.get(LOOK_WIDTHS), vehicle_width_m }
     }
 
-    /// The place of the next revolution with its rays and its report, and with what was seen around its pose; `None` beside one
-    /// wall alone, and for a limited view that has not seen enough around it yet, or has no pose.
+    /// The place of the next revolution with its rays, its report, its openings by all that was seen, and what was seen around its
+    /// pose; `None` beside one wall alone, and for a limited view that has not seen enough around it yet, or has no pose.
     pub(crate) fn here(
         &self,
         sweep: &Sweep,
@@ -122,8 +123,10 @@ impl Places {
         let wanted_m =
             (0.5 * width_m + (self.look_widths - 0.5) * passage_m).max(LEAST_LOOK_WIDTHS * self.vehicle_width_m);
         let look_m = wanted_m.min(farthest_look_m);
+        let openings: Vec<(usize, &Opening)> =
+            known.iter().filter_map(|opening| opening.index.map(|index| (index, &junction.openings[index]))).collect();
         let [place, shorter, longer] =
-            LOOKS.map(|times| rays.place(times * look_m, width_m, self.vehicle_width_m, known));
+            LOOKS.map(|times| rays.place(times * look_m, width_m, self.vehicle_width_m, &openings));
         let LookResult { kind, ways, is_seen } = place?;
         let is_alike = |other: &Option<LookResult>| {
             other.as_ref().is_some_and(|other| (other.kind, other.ways.len()) == (kind, ways.len()))
@@ -134,7 +137,7 @@ impl Places {
         // In a hall that is wider than the look any part is its middle; a limited view shows none, as what it sees behind is not
         // as sure as what lies ahead.
         let middle_m = (MIDDLE_LOOKS * self.look_widths * width_m).min(look_m);
-        let middle = rays.place(middle_m, width_m, self.vehicle_width_m, known);
+        let middle = rays.place(middle_m, width_m, self.vehicle_width_m, &openings);
         let is_middle = view.full_turn && middle.is_some_and(|middle| middle.ways.len() == ways.len());
         Some(Here { kind, look_m, ways, is_middle, confidence })
     }
@@ -168,8 +171,14 @@ impl Rays {
         across_m.fold(f64::INFINITY, f64::min)
     }
 
-    /// The place within a circle; `None` if too much of the circle was never seen.
-    fn place(&self, look_m: f64, width_m: f64, vehicle_width_m: f64, openings: &[KnownOpening]) -> Option<LookResult> {
+    /// The place within a circle, with these openings, each with its index; `None` if too much of the circle was never seen.
+    fn place(
+        &self,
+        look_m: f64,
+        width_m: f64,
+        vehicle_width_m: f64,
+        openings: &[(usize, &Opening)],
+    ) -> Option<LookResult> {
         // In a narrow view no line through the sensor may be known: the width is then at least that of the circle.
         let least_m = vehicle_width_m.max(LEAST_MOUTH_WIDTHS * width_m.min(2.0 * look_m));
         let is_unseen = |ray: &Ray| ray.end == RayEnd::Unknown && ray.free_m <= look_m;
@@ -181,8 +190,8 @@ impl Rays {
             return None;
         }
         let mut nearest: Vec<Option<(f64, usize)>> = vec![None; runs.len()];
-        for (index, opening) in openings.iter().enumerate() {
-            let ends_m = opening.edge_m;
+        for &(index, opening) in openings {
+            let ends_m = opening.edge_m.map(|end_m| end_m.coords.xy());
             let near_m = ends_m[0].norm().min(ends_m[1].norm());
             let far = ends_m.iter().filter(|end_m| end_m.norm() > look_m).map(|end_m| self.at(end_m.y.atan2(end_m.x)));
             let middle = self.at(opening.bearing_rad);
@@ -206,8 +215,9 @@ impl Rays {
         };
         let mut ways: Vec<Way> = behind.map(|(run, opening)| way(run, opening)).chain(unseen).collect();
         ways.sort_by(|a, b| a.bearing_rad.total_cmp(&b.bearing_rad));
-        let opening_m = |way: &Way| way.opening.map(|index| openings[index].width_m);
-        let widest_m = ways.iter().filter_map(opening_m).fold(0.0, f64::max);
+        let is_behind_a_way = |index: usize| ways.iter().any(|way| way.opening == Some(index));
+        let behind_ways = openings.iter().filter(|(index, _)| is_behind_a_way(*index));
+        let widest_m = behind_ways.map(|(_, opening)| opening.width_m).fold(0.0, f64::max);
         let is_wide = widest_m > 0.0 && width_m > CHAMBER_WIDTHS * widest_m;
         let kind = match ways.len() {
             0 => HereKind::Chamber,

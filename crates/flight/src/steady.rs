@@ -99,7 +99,11 @@ impl Steadier {
                 let answer = (here.kind, here.ways.len());
                 self.place.add(Answered { answer, confidence: here.confidence, since });
                 if self.place.holds() == Some(answer) {
-                    let of_ways = here.ways.iter().map(|way| way.opening.map(|at| tracks[at])).collect();
+                    let track_of = |index| {
+                        let at = known.iter().position(|opening| opening.index == Some(index));
+                        at.map(|at| tracks[at])
+                    };
+                    let of_ways = here.ways.iter().map(|way| way.opening.and_then(track_of)).collect();
                     let fixed = |way: &Way| Way { bearing_rad: way.bearing_rad + yaw_rad, ..*way };
                     let ways = here.ways.iter().map(fixed).collect();
                     self.here = Some((Here { ways, ..*here }, of_ways));

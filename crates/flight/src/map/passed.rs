@@ -68,8 +68,8 @@ impl Passed {
         (depth_m > towards.norm()).then_some(depth_m)
     }
 
-    /// Whether a junction is none: from where the vehicle passed them, of all of its ways but two
-    /// the end was in view within the look.
+    /// Whether a junction is none: from where the vehicle passed them, of all of its ways but two the end was in view within the
+    /// look.
     pub(super) fn is_a_pocket(&self, visit: &Visit, width_m: Option<f64>) -> bool {
         if visit.kind != HereKind::Junction {
             return false;

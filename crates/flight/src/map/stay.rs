@@ -22,24 +22,20 @@ const SAME_MOUTH_RAD: f64 = 0.6;
 const MOUTH_OUTSIDE: f64 = 0.7;
 
 /// Whether the vehicle is still at the node that it left last, of this kind: a place is what lies within the look, and
-/// the two looks are of much the same space. So it is for each visit of that stay: places in a row are not one by those in between.
+/// the two looks are of much the same space. Each earlier visit of the stay is as near: places in a row are not one by those in between.
 pub(super) fn is_still_at(log: &Log, kind: HereKind, visit: &Visit, way: &Travelled) -> bool {
     let Some(number) = log.last() else { return false };
-    let stay = (0..number).rev().take_while(|&leg| log.legs[leg].is_stay).chain([number]);
-    let last = &log.visits[number];
-    let placed = log.placed(&visit.anchor);
-    let near_m = |part: usize| {
-        let part = &log.visits[part];
-        NEAR_LOOKS[usize::from(part.has_middle) + usize::from(visit.has_middle)] * part.look_m.min(visit.look_m)
-    };
-    let off_m = |part: usize| log.graph.poses[part].inv_mul(&placed).translation.vector.norm();
+    let mut stay = (0..number).rev().take_while(|&leg| log.legs[leg].is_stay).chain([number]);
+    let (last, placed) = (&log.visits[number], log.placed(&visit.anchor));
+    let off_m = |of: usize| log.graph.poses[of].inv_mul(&placed).translation.vector.norm();
+    let look_m = |of: usize| log.visits[of].look_m.min(visit.look_m);
+    let near_looks = |of: usize| NEAR_LOOKS[usize::from(log.visits[of].has_middle) + usize::from(visit.has_middle)];
+    let is_near = |of: usize, off_m: f64| off_m < near_looks(of) * look_m(of);
     let to_last = last.anchor.inverse();
-    let is_near = |place_m: &Point2<f64>| (to_last * place_m).coords.norm() < near_m(number);
-    let surely_m = SURELY_NEAR_LOOKS * last.look_m.min(visit.look_m);
     flown_sd_m(last, visit).is_some()
-        && (off_m(number) < surely_m || kind == visit.kind && has_mouths_of(last, visit))
-        && stay.into_iter().all(|part| off_m(part) < near_m(part))
-        && way.between(last, visit).all(is_near)
+        && (off_m(number) < SURELY_NEAR_LOOKS * look_m(number) || kind == visit.kind && has_mouths_of(last, visit))
+        && stay.all(|of| is_near(of, off_m(of)))
+        && way.between(last, visit).all(|place_m| is_near(number, (to_last * place_m).coords.norm()))
 }
 
 /// Whether a visit saw the mouths that the one before saw, or the other way round, of those that are not within the
