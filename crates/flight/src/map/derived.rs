@@ -165,16 +165,15 @@ impl Derived {
         for (visit, [came_rad, left_rad]) in flown.into_iter().enumerate() {
             let came_by = end(visit, came_rad);
             if let (Some(leg), Some(from), Some(to)) = (leg_to(visit), left_by, came_by) {
-                let length_m = log.legs[leg].length_m.unwrap_or_default();
-                let is_first = places[to.0].visits[0] == visit;
-                add_course(&mut courses, log, &places, Course { leg, ends: [from, to], length_m }, is_first);
+                add_course(&mut courses, log, &places, leg, [from, to]);
             }
             left_by = end(visit, left_rad);
         }
         let passages = courses.iter().enumerate().map(|(number, course)| {
             for (node, way) in course.ends {
                 let way = &mut nodes[node].ways[way];
-                (way.taken, way.passage) = (true, Some(number));
+                way.taken = true;
+                way.passage.get_or_insert(number);
             }
             course.passage(log, &nodes)
         });
@@ -217,28 +216,41 @@ fn add_missed(node: &mut Node, direction_rad: f64, width_m: Option<f64>) {
     node.ways.insert(before.map_or(0, |before| before + 1), way);
 }
 
-/// Adds a leg between two ways as a passage, unless a way of the two has one. A new place before the end of a known
-/// passage divides that passage: what is known of it leads elsewhere.
-fn add_course(courses: &mut Vec<Course>, log: &Log, places: &[Place], course: Course, is_first: bool) {
-    let [from, to] = course.ends;
-    let leads = |courses: &[Course], end: (usize, usize)| courses.iter().position(|known| known.ends.contains(&end));
-    let nearer_m = course.length_m.max(0.0) + log.visits[course.leg + 1].look_m;
-    if is_first
-        && leads(courses, to).is_none()
-        && let Some(known) = leads(courses, from)
-        && nearer_m < courses[known].length_m
-    {
-        courses.remove(known);
+/// Adds a leg between two ways as a passage. Of two passages through one way, the one whose end the other passes by is all that is known
+/// of both; if neither passes by the end of the other, the way branches further on, and both are.
+fn add_course(courses: &mut Vec<Course>, log: &Log, places: &[Place], leg: usize, ends: [(usize, usize); 2]) {
+    let [from, to] = ends;
+    if from == to {
+        return;
     }
-    if leads(courses, from).or(leads(courses, to)).is_none() && from != to {
-        let apart_m = |a: usize, b: usize| {
-            let [a, b] = [a, b].map(|visit| log.graph.poses[visit].translation.vector);
-            (a - b).norm()
-        };
-        // A node lies where its first visit does, which need not be in the middle of the others.
-        let [first, second] = [from.0, to.0].map(|node| places[node].first);
-        let length_m = course.length_m.max(0.0) + apart_m(first, second) - apart_m(course.leg, course.leg + 1);
-        courses.push(Course { length_m: length_m.max(0.0), ..course });
+    let apart_m = |a: usize, b: usize| {
+        let [a, b] = [a, b].map(|visit| log.graph.poses[visit].translation.vector);
+        (a - b).norm()
+    };
+    // A node lies where its first visit does, which need not be in the middle of the others.
+    let [first, second] = ends.map(|(node, _)| places[node].first);
+    let flown_m = log.legs[leg].length_m.unwrap_or_default().max(0.0);
+    let length_m = (flown_m + apart_m(first, second) - apart_m(leg, leg + 1)).max(0.0);
+    let course = Course { leg, ends, length_m };
+    let passes = |course: &Course, node: usize| {
+        let first = places[node].first;
+        let place_m = Point2::from(log.graph.poses[first].translation.vector);
+        let is_near =
+            |via_m: &Point2<f64>| (log.graph.poses[course.leg] * via_m - place_m).norm() < log.visits[first].look_m;
+        course.ends.iter().any(|end| end.0 == node) || log.legs[course.leg].via_m.iter().any(is_near)
+    };
+    let shares = |known: &Course| known.ends.iter().any(|end| ends.contains(end));
+    // The node at the other end of a passage than one that it shares with another.
+    let beyond = |of: &Course, other: &Course| of.ends.iter().find(|end| !other.ends.contains(end)).map(|end| end.0);
+    let is_over = |known: &Course| shares(known) && beyond(known, &course).is_none_or(|node| passes(&course, node));
+    let is_divided = |known: &Course| {
+        shares(known)
+            && known.length_m > course.length_m
+            && beyond(&course, known).is_some_and(|node| passes(known, node))
+    };
+    if !courses.iter().any(is_over) {
+        courses.retain(|known| !is_divided(known));
+        courses.push(course);
     }
 }
 
@@ -323,7 +335,9 @@ mod tests {
             let number = log.visits.len() - 1;
             log.legs[number].beyond_m = Some(beyond_m);
             if let Some(before) = number.checked_sub(1) {
+                let way_m = log.graph.poses[before].inv_mul(&log.graph.poses[number]).translation.vector;
                 log.legs[before].length_m = Some(reached_at_m - log.visits[before].left_at_m);
+                log.legs[before].via_m = (1..=20).map(|part| Point2::from(way_m * f64::from(part) / 20.0)).collect();
             }
         }
         log
@@ -365,6 +379,18 @@ mod tests {
             link(&mut log, [0, 2]);
             assert_eq!(ends(&Derived::of(&log).map), [found], "nearer than {nearer_m} m and the look");
         }
+    }
+
+    #[test]
+    fn a_way_that_branches_further_on_leads_to_both_places() {
+        let mut log = log_of(vec![
+            visit([0.0; 2], 0.0, BACK, AHEAD),
+            visit([40.0, 0.0], 40.0, BACK, BACK),
+            visit([0.0; 2], 80.0, AHEAD, AHEAD),
+            visit([20.0, 15.0], 110.0, BACK, LEFT),
+        ]);
+        link(&mut log, [0, 2]);
+        assert_eq!(ends(&Derived::of(&log).map), [[0, 1], [0, 2]]);
     }
 
     #[test]

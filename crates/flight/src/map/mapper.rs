@@ -98,9 +98,9 @@ impl Mapper {
         Derived::of(&self.ended()).map
     }
 
-    /// Whether the vehicle is in a node, and a revolution by itself has seen that node.
+    /// Whether the vehicle is in a node, and has been there long enough for it to be believed.
     pub fn is_in_node(&self) -> bool {
-        self.open.as_ref().is_some_and(OpenVisit::is_seen)
+        self.open.as_ref().is_some_and(OpenVisit::is_believed)
     }
 
     /// Where the vehicle is on the map up to now; `None` before the first node. It compares the place with those that

@@ -20,6 +20,9 @@ const SAME_VIEW_M: f64 = 0.05;
 /// Line points of an outline are no farther from the sensor than this many times the look.
 const OUTLINE_LOOKS: f64 = 2.0;
 
+/// A visit that is believed less than this, summed over its revolutions, is none: a sure revolution is enough, or two doubtful ones.
+const LEAST_BELIEF: f64 = 0.7;
+
 /// From parts of a place some of its ways are hidden: of the numbers of ways that are believed at least this many times as much as
 /// any other the largest holds.
 const ALSO_SEEN: f64 = 0.5;
@@ -200,9 +203,9 @@ impl OpenVisit {
         }
     }
 
-    /// Whether a revolution by itself has seen the place: then the stay counts as a visit.
-    pub(crate) fn is_seen(&self) -> bool {
-        !self.samples.is_empty()
+    /// Whether the stay counts as a visit.
+    pub(crate) fn is_believed(&self) -> bool {
+        self.samples.iter().map(|sample| sample.sure).sum::<f64>() >= LEAST_BELIEF
     }
 
     /// Whether what was seen of this place lies behind.
@@ -211,10 +214,13 @@ impl OpenVisit {
         self.samples.iter().all(|sample| off_m(sample) > sample.look_m)
     }
 
-    /// The stay as a whole, if it counts as a visit. Of the numbers of ways that were seen with at least half of the confidence of
+    /// The stay as a whole, if it is believed. Of the numbers of ways that were seen with at least half of the confidence of
     /// any other the largest holds. The ways are those of the revolution nearest to the middle of the place that saw this number. `left_to`:
     /// where the vehicle is now, if it has left.
     pub(crate) fn end(mut self, left_to: Option<Isometry2<f64>>) -> Option<Visit> {
+        if !self.is_believed() {
+            return None;
+        }
         // From its middle a place is seen as it is; from its edge the next one may be seen with it.
         let has_middle = self.samples.iter().any(|sample| sample.is_middle);
         self.samples.retain(|sample| sample.is_middle || !has_middle);
