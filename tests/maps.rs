@@ -57,7 +57,7 @@ fn an_empty_map_of_a_limited_view_says_why() {
     run([Path::new("simulate"), Path::new("--suite"), Path::new("view180"), Path::new("--out"), scenes]).expect_code(0);
     let recording = scenes.join("view180.mcap");
     let out = scenes.join("map.json");
-    let args = [Path::new("run"), &recording, Path::new("--every"), Path::new("50"), Path::new("--map"), &out];
+    let args = [Path::new("run"), &recording, Path::new("--to"), Path::new("0.3"), Path::new("--map"), &out];
     let said = run(args).expect_code(0).stderr;
     assert!(said.contains("A place is known once the scans have seen all around it"), "{said}");
 }

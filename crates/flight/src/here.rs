@@ -185,7 +185,8 @@ impl Rays {
         let unseen = self.runs(look_m, least_m, is_unseen);
         let unseen: Vec<Way> = unseen.iter().map(|run| self.unseen_way(run, look_m, least_m)).collect::<Option<_>>()?;
         let is_seen = unseen.is_empty();
-        let runs = self.runs(look_m, least_m, |ray| ray.free_m > look_m);
+        // What was never seen and is narrower than a mouth parts none.
+        let runs = self.runs(look_m, least_m, |ray| ray.free_m > look_m || is_seen && is_unseen(ray));
         if runs.iter().any(|run| run.has_rock() && self.arc_m(run.first - 1, run.first + run.len, 1.0) >= PI) {
             return None;
         }

@@ -20,8 +20,8 @@ const SAME_VIEW_M: f64 = 0.05;
 /// Line points of an outline are no farther from the sensor than this many times the look.
 const OUTLINE_LOOKS: f64 = 2.0;
 
-/// A visit that is believed less than this, summed over its revolutions, is none: a sure revolution is enough, or two doubtful ones.
-const LEAST_BELIEF: f64 = 0.7;
+/// A stay that the steady answer tells for less than this is no visit: for five of ten revolutions a second, whose stamps may tremble.
+const LEAST_S: f64 = 0.35;
 
 /// From parts of a place some of its ways are hidden: of the numbers of ways that are believed at least this many times as much as
 /// any other the largest holds.
@@ -81,6 +81,8 @@ pub(crate) struct OpenVisit {
     began: Moment,
     /// When a revolution was added last.
     latest: Option<Moment>,
+    /// From the first revolution that was added to the last.
+    told_s: f64,
     kind: HereKind,
     samples: Vec<Sample>,
     outline: Vec<LinePoint>,
@@ -132,7 +134,7 @@ impl OpenVisit {
     ) -> Self {
         let (samples, outline) = (Vec::new(), Vec::new());
         let (latest, outlined_from, middle_at_m) = (None, None, None);
-        Self { began, latest, kind, samples, outline, outlined_from, came_from, middle_at_m, follows }
+        Self { began, latest, told_s: 0.0, kind, samples, outline, outlined_from, came_from, middle_at_m, follows }
     }
 
     /// Whether the doubt of a pose since this place was seen last is known.
@@ -174,7 +176,9 @@ impl OpenVisit {
         let Moment { stamp_ns, pose, way_m, .. } = now;
         let moved_m = |from: Isometry2<f64>| (from.translation.vector - pose.translation.vector).norm();
         let before = self.latest.replace(now);
-        let views = before.map_or(1.0, |before| independent(elapsed_s(before.stamp_ns, stamp_ns)));
+        let since_s = before.map(|before| elapsed_s(before.stamp_ns, stamp_ns));
+        self.told_s += since_s.unwrap_or(0.0);
+        let views = since_s.map_or(1.0, independent);
         let at_m = now.place_m();
         let is_here = seen.is_middle || self.follows.is_none_or(|before_m| (at_m - before_m).norm() > seen.look_m);
         if seen.node() == Some(self.kind) && is_here {
@@ -203,9 +207,9 @@ impl OpenVisit {
         }
     }
 
-    /// Whether the stay counts as a visit.
+    /// Whether the stay counts as a visit: it was long enough, and a revolution by itself saw the place.
     pub(crate) fn is_believed(&self) -> bool {
-        self.samples.iter().map(|sample| sample.sure).sum::<f64>() >= LEAST_BELIEF
+        self.told_s >= LEAST_S && !self.samples.is_empty()
     }
 
     /// Whether what was seen of this place lies behind.
