@@ -283,7 +283,8 @@ impl Rays {
         }
         let mut runs: Vec<BeamRun> = Vec::new();
         for at in (start..start + n).filter(|&at| is_in(at)) {
-            let reach_m = ray(at).free_m;
+            // What was never seen is not known to end.
+            let reach_m = if ray(at).end == RayEnd::Unknown { f64::INFINITY } else { ray(at).free_m };
             let is_same = |run: &&mut BeamRun| {
                 let last = run.first + run.len - 1;
                 at == last + 1 || self.arc_m(last, at, look_m) < LEAST_ROCK_M
