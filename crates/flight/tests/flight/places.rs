@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use crosscut_flight::{FlightAnswer, Here};
+use crosscut_flight::{FlightAnswer, Here, HereKind};
 use crosscut_messages::TruthPlace;
 use crosscut_simulator::Scene;
+use crosscut_stage::Frame;
 
 use crate::{Flown, Follower, MINE, TUNNEL, follow, scenario};
 
@@ -75,6 +76,20 @@ fn a_view_with_no_line_through_the_sensor_knows_no_place_at_first() {
     let mut here = Vec::new();
     follow("tunnel", 1, 3, |scene| narrow(scene, 60.0), |_, frame| here.push(FlightAnswer::of(frame).here.clone()));
     assert_eq!(here, [None, None, None]);
+}
+
+#[test]
+fn what_lies_behind_the_start_of_a_limited_view_is_no_end_and_parts_no_mouth() {
+    for within_deg in [90.0, 127.5] {
+        let mut places = BTreeMap::new();
+        let count = |_: &Scene, frame: &Frame| {
+            let here = FlightAnswer::of(frame).here.as_ref();
+            *places.entry(here.map(|here| (here.kind, here.ways.len()))).or_insert(0) += 1;
+        };
+        follow("tee", 1, 80, |scene| narrow(scene, within_deg), count);
+        let passages = places[&Some((HereKind::Passage, 2))];
+        assert!(passages >= 20 && places.keys().flatten().count() == 1, "{within_deg}: {places:?}");
+    }
 }
 
 /// First scans of flights that begin along a flight, with a view of 255 degrees: all, those that know the place, and those
