@@ -7,7 +7,7 @@
 //! - [`ScanMatcher`] matches each revolution to the walls seen before, point to line; odometry is its prediction where
 //!   there is any.
 //! - [`PoseTracker`] chooses between odometry, scans and both by name, and notes slips, jumps and missing odometry.
-//! - [`Places`] finds which of the openings in view belong to the place of the vehicle: junction, passage, dead end, chamber.
+//! - [`Here`] says which of the openings in view belong to the place of the vehicle: junction, passage, dead end, chamber.
 //! - [`Mapper`] makes the [`Map`] of a flight: junctions and dead ends, each once, and the passages between them.
 //! - [`PoseGraph`] corrects the poses once a place is known to be seen again; [`write_g2o`] and [`read_g2o`] exchange it
 //!   with other programs.
