@@ -123,10 +123,8 @@ impl Places {
         let wanted_m =
             (0.5 * width_m + (self.look_widths - 0.5) * passage_m).max(LEAST_LOOK_WIDTHS * self.vehicle_width_m);
         let look_m = wanted_m.min(farthest_look_m);
-        let openings: Vec<(usize, &Opening)> =
-            known.iter().filter_map(|opening| opening.index.map(|index| (index, &junction.openings[index]))).collect();
-        let [place, shorter, longer] =
-            LOOKS.map(|times| rays.place(times * look_m, width_m, self.vehicle_width_m, &openings));
+        let within = |look_m: f64| rays.place(look_m, width_m, self.vehicle_width_m, &junction.openings, known);
+        let [place, shorter, longer] = LOOKS.map(|times| within(times * look_m));
         let LookResult { kind, ways, is_seen } = place?;
         let is_alike = |other: &Option<LookResult>| {
             other.as_ref().is_some_and(|other| (other.kind, other.ways.len()) == (kind, ways.len()))
@@ -137,8 +135,7 @@ impl Places {
         // In a hall that is wider than the look any part is its middle; a limited view shows none, as what it sees behind is not
         // as sure as what lies ahead.
         let middle_m = (MIDDLE_LOOKS * self.look_widths * width_m).min(look_m);
-        let middle = rays.place(middle_m, width_m, self.vehicle_width_m, &openings);
-        let is_middle = view.full_turn && middle.is_some_and(|middle| middle.ways.len() == ways.len());
+        let is_middle = view.full_turn && within(middle_m).is_some_and(|middle| middle.ways.len() == ways.len());
         Some(Here { kind, look_m, ways, is_middle, confidence })
     }
 }
@@ -171,13 +168,15 @@ impl Rays {
         across_m.fold(f64::INFINITY, f64::min)
     }
 
-    /// The place within a circle, with these openings, each with its index; `None` if too much of the circle was never seen.
+    /// The place within a circle, by the openings of the scan that are still known to be some; `None` if too much of the circle was
+    /// never seen.
     fn place(
         &self,
         look_m: f64,
         width_m: f64,
         vehicle_width_m: f64,
-        openings: &[(usize, &Opening)],
+        openings: &[Opening],
+        known: &[KnownOpening],
     ) -> Option<LookResult> {
         // In a narrow view no line through the sensor may be known: the width is then at least that of the circle.
         let least_m = vehicle_width_m.max(LEAST_MOUTH_WIDTHS * width_m.min(2.0 * look_m));
@@ -191,7 +190,8 @@ impl Rays {
             return None;
         }
         let mut nearest: Vec<Option<(f64, usize)>> = vec![None; runs.len()];
-        for &(index, opening) in openings {
+        for index in known.iter().filter_map(|opening| opening.index) {
+            let opening = &openings[index];
             let ends_m = opening.edge_m.map(|end_m| end_m.coords.xy());
             let near_m = ends_m[0].norm().min(ends_m[1].norm());
             let far = ends_m.iter().filter(|end_m| end_m.norm() > look_m).map(|end_m| self.at(end_m.y.atan2(end_m.x)));
@@ -216,9 +216,8 @@ impl Rays {
         };
         let mut ways: Vec<Way> = behind.map(|(run, opening)| way(run, opening)).chain(unseen).collect();
         ways.sort_by(|a, b| a.bearing_rad.total_cmp(&b.bearing_rad));
-        let is_behind_a_way = |index: usize| ways.iter().any(|way| way.opening == Some(index));
-        let behind_ways = openings.iter().filter(|(index, _)| is_behind_a_way(*index));
-        let widest_m = behind_ways.map(|(_, opening)| opening.width_m).fold(0.0, f64::max);
+        let opening_m = |way: &Way| way.opening.map(|index| openings[index].width_m);
+        let widest_m = ways.iter().filter_map(opening_m).fold(0.0, f64::max);
         let is_wide = widest_m > 0.0 && width_m > CHAMBER_WIDTHS * widest_m;
         let kind = match ways.len() {
             0 => HereKind::Chamber,

@@ -216,8 +216,8 @@ fn add_missed(node: &mut Node, direction_rad: f64, width_m: Option<f64>) {
     node.ways.insert(before.map_or(0, |before| before + 1), way);
 }
 
-/// Adds a leg between two ways as a passage. Of two passages through one way, the one whose end the other passes by is all that is known
-/// of both; if neither passes by the end of the other, the way branches further on, and both are.
+/// Adds a leg between two ways as a passage. Of two passages through one way, one that passes by the end of the other is left out;
+/// if neither does, the way branches further on, and both are passages.
 fn add_course(courses: &mut Vec<Course>, log: &Log, places: &[Place], leg: usize, ends: [(usize, usize); 2]) {
     let [from, to] = ends;
     if from == to {
@@ -232,29 +232,31 @@ fn add_course(courses: &mut Vec<Course>, log: &Log, places: &[Place], leg: usize
     let flown_m = log.legs[leg].length_m.unwrap_or_default().max(0.0);
     let length_m = (flown_m + apart_m(first, second) - apart_m(leg, leg + 1)).max(0.0);
     let course = Course { leg, ends, length_m };
-    let passes = |course: &Course, node: usize| {
-        let first = places[node].first;
-        let place_m = Point2::from(log.graph.poses[first].translation.vector);
-        let is_near =
-            |via_m: &Point2<f64>| (log.graph.poses[course.leg] * via_m - place_m).norm() < log.visits[first].look_m;
-        course.ends.iter().any(|end| end.0 == node) || log.legs[course.leg].via_m.iter().any(is_near)
-    };
-    let shares = |known: &Course| known.ends.iter().any(|end| ends.contains(end));
-    // The node at the other end of a passage than one that it shares with another.
-    let beyond = |of: &Course, other: &Course| of.ends.iter().find(|end| !other.ends.contains(end)).map(|end| end.0);
-    let is_over = |known: &Course| shares(known) && beyond(known, &course).is_none_or(|node| passes(&course, node));
-    let is_divided = |known: &Course| {
-        shares(known)
-            && known.length_m > course.length_m
-            && beyond(&course, known).is_some_and(|node| passes(known, node))
-    };
-    if !courses.iter().any(is_over) {
-        courses.retain(|known| !is_divided(known));
+    if !courses.iter().any(|known| course.covers(known, log, places)) {
+        courses.retain(|known| known.length_m <= course.length_m || !known.covers(&course, log, places));
         courses.push(course);
     }
 }
 
 impl Course {
+    /// Whether this passage has a way in common with another one and passes by the place at that one's other end.
+    fn covers(&self, other: &Self, log: &Log, places: &[Place]) -> bool {
+        let is_shared = |end: &(usize, usize)| self.ends.contains(end);
+        let passes = |node: usize| {
+            let first = places[node].first;
+            let place_m = Point2::from(log.graph.poses[first].translation.vector);
+            self.ends.iter().any(|end| end.0 == node)
+                || self.via_m(log).any(|via_m| (via_m - place_m).norm() < log.visits[first].look_m)
+        };
+        other.ends.iter().any(is_shared) && other.ends.iter().all(|end| is_shared(end) || passes(end.0))
+    }
+
+    /// Places along it, in the frame of the map.
+    fn via_m<'a>(&self, log: &'a Log) -> impl Iterator<Item = Point2<f64>> + 'a {
+        let from = log.graph.poses[self.leg];
+        log.legs[self.leg].via_m.iter().map(move |place_m| from * place_m)
+    }
+
     fn passage(&self, log: &Log, nodes: &[Node]) -> Passage {
         let (leg, [before, visit]) = (&log.legs[self.leg], [self.leg, self.leg + 1].map(|visit| &log.visits[visit]));
         // Between two places that touch nothing was measured.
@@ -266,7 +268,7 @@ impl Course {
             length_sd_m: flown_sd_m(before, visit),
             width_m: leg.width_m.unwrap_or(widths_m[0].min(widths_m[1])),
             stretch_ns: [before.time_ns[1], visit.time_ns[0]],
-            via_m: leg.via_m.iter().map(|place_m| log.graph.poses[self.leg] * place_m).collect(),
+            via_m: self.via_m(log).collect(),
         }
     }
 }

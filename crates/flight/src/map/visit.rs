@@ -20,8 +20,8 @@ const SAME_VIEW_M: f64 = 0.05;
 /// Line points of an outline are no farther from the sensor than this many times the look.
 const OUTLINE_LOOKS: f64 = 2.0;
 
-/// A stay that the steady answer tells for less than this is no visit: for five of ten revolutions a second, whose stamps may tremble.
-const LEAST_S: f64 = 0.35;
+/// A shorter stay is no visit: five revolutions at ten a second, less the jitter of their stamps.
+const LEAST_STAY_S: f64 = 0.35;
 
 /// From parts of a place some of its ways are hidden: of the numbers of ways that are believed at least this many times as much as
 /// any other the largest holds.
@@ -81,8 +81,8 @@ pub(crate) struct OpenVisit {
     began: Moment,
     /// When a revolution was added last.
     latest: Option<Moment>,
-    /// From the first revolution that was added to the last.
-    told_s: f64,
+    /// From the first revolution that was added to the last; stamps that do not advance count as usual ones.
+    stayed_s: f64,
     kind: HereKind,
     samples: Vec<Sample>,
     outline: Vec<LinePoint>,
@@ -134,7 +134,7 @@ impl OpenVisit {
     ) -> Self {
         let (samples, outline) = (Vec::new(), Vec::new());
         let (latest, outlined_from, middle_at_m) = (None, None, None);
-        Self { began, latest, told_s: 0.0, kind, samples, outline, outlined_from, came_from, middle_at_m, follows }
+        Self { began, latest, stayed_s: 0.0, kind, samples, outline, outlined_from, came_from, middle_at_m, follows }
     }
 
     /// Whether the doubt of a pose since this place was seen last is known.
@@ -177,7 +177,7 @@ impl OpenVisit {
         let moved_m = |from: Isometry2<f64>| (from.translation.vector - pose.translation.vector).norm();
         let before = self.latest.replace(now);
         let since_s = before.map(|before| elapsed_s(before.stamp_ns, stamp_ns));
-        self.told_s += since_s.unwrap_or(0.0);
+        self.stayed_s += since_s.unwrap_or(0.0);
         let views = since_s.map_or(1.0, independent);
         let at_m = now.place_m();
         let is_here = seen.is_middle || self.follows.is_none_or(|before_m| (at_m - before_m).norm() > seen.look_m);
@@ -209,7 +209,7 @@ impl OpenVisit {
 
     /// Whether the stay counts as a visit: it was long enough, and a revolution by itself saw the place.
     pub(crate) fn is_believed(&self) -> bool {
-        self.told_s >= LEAST_S && !self.samples.is_empty()
+        self.stayed_s >= LEAST_STAY_S && !self.samples.is_empty()
     }
 
     /// Whether what was seen of this place lies behind.
@@ -218,8 +218,8 @@ impl OpenVisit {
         self.samples.iter().all(|sample| off_m(sample) > sample.look_m)
     }
 
-    /// The stay as a whole, if it is believed. Of the numbers of ways that were seen with at least half of the confidence of
-    /// any other the largest holds. The ways are those of the revolution nearest to the middle of the place that saw this number. `left_to`:
+    /// The stay as a whole, if it is believed. Of the numbers of ways that were seen with at least half of the confidence of any other
+    /// the largest holds. The ways are those of the revolution nearest to the middle of the place that saw this number. `left_to`:
     /// where the vehicle is now, if it has left.
     pub(crate) fn end(mut self, left_to: Option<Isometry2<f64>>) -> Option<Visit> {
         if !self.is_believed() {
